@@ -94,8 +94,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   json["memory_bytes"] = info.memory_bytes;
   json["finest_error"] = info.max_error;
   json["error_kind"] = "at samples";
-  table.add({"range", fmt::format("{} to {}", format_number(info.range.lower),
-                                  format_number(info.range.upper))});
+  table.add({"range", format_heights(info.range.lower, info.range.upper)});
   if (info.n_left_out > 0)
     table.add(
         {"left out", fmt::format("{} {}", format_count(info.n_left_out),

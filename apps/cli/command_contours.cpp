@@ -45,11 +45,13 @@ void add_head(const ContourAnswer& answer, Json& json, Table& table) {
   json["outputs"] = Json::array({answer.arguments.output});
   add_terrain_head(answer.answerer, answer.arguments.terrain, json, table);
   json["levels"] = answer.levels.size();
+  const HeightRange range = answer.answerer.tin.height_range();
+  const double relief = range.upper - range.lower;
   table.add({"contours", answer.levels.empty()
                              ? std::string("none")
                              : fmt::format("{} from {} to {}", format_count(answer.levels.size()),
-                                           format_number(answer.levels.front()),
-                                           format_number(answer.levels.back()))});
+                                           format_height(answer.levels.front(), relief),
+                                           format_height(answer.levels.back(), relief))});
 }
 
 void add_times(const ContourAnswer& answer, double trace, double write, Json& json, Table& table) {
@@ -67,8 +69,8 @@ Result<Outcome> run_lines(const ContourAnswer& answer, Session& session) {
            answer.answerer.tin.contours(answer.levels, session.progress()));
   const HeightRange range = answer.answerer.tin.height_range();
   if (contours.lines.empty())
-    session.warn(fmt::format("there are no contours: heights are from {} to {}",
-                             format_number(range.lower), format_number(range.upper)));
+    session.warn(fmt::format("there are no contours: heights are from {}",
+                             format_heights(range.lower, range.upper)));
   const Stopwatch watch;
   LODE_CHECK(
       write_contours(answer.arguments.output, answer.answerer, contours, session.progress()));

@@ -72,12 +72,14 @@ std::string height_csv(const HeightAnswer& answer) {
 
 std::string height_table(const HeightAnswer& answer) {
   Table table({"x", "y", "height", "bound", "bound kind"});
+  const HeightRange range = answer.answerer.opened.terrain.range();
   for (std::size_t i = 0; i < answer.places.size(); ++i) {
     const Place& at = answer.places[i];
     const TerrainHeight& z = answer.heights[i];
     const bool is_inside = z.where == TerrainHeight::Where::inside;
     table.add({fmt::format("{:.12g}", at[0]), fmt::format("{:.12g}", at[1]),
-               is_inside ? format_number(z.height) : "", is_inside ? format_number(z.bound) : "",
+               is_inside ? format_height(z.height, range.upper - range.lower) : "",
+               is_inside ? format_number(z.bound) : "",
                is_inside ? answer.bound_kind() : status_name(z.where)});
   }
   return table.to_string();

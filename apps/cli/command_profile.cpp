@@ -35,12 +35,12 @@ std::string profile_csv(const TerrainProfile& profile) {
   return text;
 }
 
-std::string profile_table(const TerrainProfile& profile) {
+std::string profile_table(const TerrainProfile& profile, const HeightRange& range) {
   Table table({"part", "distance", "x", "y", "height", "bound"});
   for (const TerrainProfile::Point& point : profile.points)
     table.add({fmt::format("{}", point.part), format_number(point.distance),
                fmt::format("{:.12g}", point.at[0]), fmt::format("{:.12g}", point.at[1]),
-               format_number(point.height), format_number(point.bound)});
+               format_height(point.height, range.upper - range.lower), format_number(point.bound)});
   return table.to_string();
 }
 
@@ -61,7 +61,7 @@ std::string describe_range(const TerrainProfile& profile) {
   if (profile.points.empty()) return "none";
   const auto [lowest, highest] =
       std::ranges::minmax(profile.points, {}, &TerrainProfile::Point::height);
-  return fmt::format("{} to {}", format_number(lowest.height), format_number(highest.height));
+  return format_heights(lowest.height, highest.height);
 }
 
 Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& answerer,
@@ -77,7 +77,7 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
   add_metric(answerer.metric, json);
   json["length"] = profile.length;
   json["parts"] = profile.points.empty() ? 0 : profile.points.back().part;
-  json["rows"] = profile.points.size();
+  json["profile_rows"] = profile.points.size();
   Json& gaps = json["gaps"] = Json::array();
   double gap_length = 0;
   for (const TerrainProfile::Gap& gap : profile.gaps) {
@@ -101,7 +101,7 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
   if (!arguments.output.empty()) table.add({"output", arguments.output});
   outcome.text = table.to_string();
   if (arguments.output.empty() && !profile.points.empty())
-    outcome.text += '\n' + profile_table(profile);
+    outcome.text += '\n' + profile_table(profile, answerer.opened.terrain.range());
   return outcome;
 }
 
@@ -112,11 +112,11 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   TerrainQueryArguments terrain = arguments.terrain;
   terrain.way = {from[0], to[0]};
   LODE_TRY(const TerrainAnswerer answerer, answer_terrain(terrain, session, {}, TinUse::places));
-  const Place end = end_of_way(answerer.opened, answerer.metric, from, to);
+  const TerrainWay way = way_on(answerer.opened, answerer.metric, from, to);
   LODE_TRY(const TerrainProfile profile,
-           naming(arguments.terrain.input, answerer.tin.profile(from, end, session.progress()),
-                  session));
-  warn_of_long_way(answerer.metric, answerer.opened.facts.frame, from, end, session);
+           naming(arguments.terrain.input,
+                  answerer.tin.profile(way.from, way.to, session.progress()), session));
+  warn_of_long_way(answerer.metric, answerer.opened.facts.frame, way.from, way.to, session);
   if (profile.points.empty()) session.warn("the segment meets no terrain");
   if (!arguments.output.empty())
     LODE_CHECK(write_text(arguments.output, profile_csv(profile), session.progress()));

@@ -122,7 +122,9 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   TerrainQueryArguments terrain = arguments.terrain;
   terrain.way = {options.from[0], options.to[0]};
   LODE_TRY(const TerrainInput input, read_terrain(terrain, session));
-  options.to = end_of_way(input.opened, input.metric, options.from, options.to);
+  const TerrainWay way = way_on(input.opened, input.metric, options.from, options.to);
+  options.from = way.from;
+  options.to = way.to;
   LODE_CHECK(check_upwards(input.opened.facts.frame, arguments.terrain.input));
   LODE_TRY(const TerrainSight sight,
            naming(arguments.terrain.input,
@@ -173,8 +175,9 @@ Command add_sight_command(CLI::App& program) {
       "visible: no surface within the bounds of the TIN is above the ray; blocked: each one is,\n"
       "and where; undecided: neither, and --exact asks again at full resolution, or at the finest\n"
       "level of a file that was built for less. Bounds are\n"
-      "those of lode height --everywhere where all heights are at hand (rasters, models that keep\n"
-      "them), else at samples. Gaps on the way leave it undecided. The ray is straight over an\n"
+      "those of lode height --everywhere where all heights are at hand (rasters, quadtrees,\n"
+      "quaternary triangulations, bisected right triangles), else at samples. Gaps on the way "
+      "leave it undecided. The ray is straight over an\n"
       "earth whose radius is R / (1 - refraction).\n\n"
       "Examples:\n  lode sight dem.tif --from 500000,4000000 --to 520000,4010000\n"
       "  lode sight dem.tif --from 8.1,46.5 --to 8.2,46.6 --target-height 30 --exact");

@@ -1,11 +1,14 @@
 #include "extract_terrain.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 
 #include "build_terrain.h"
+#include "lode/api/picture_frame.h"
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
@@ -216,6 +219,32 @@ bool names_output(const Error& error, const TerrainJob& job) {
           error.message.starts_with(job.raster.difference + ": "));
 }
 
+bool is_gltf_path(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".glb";
+}
+
+/// Metres of a unit of x, y and heights, for formats that are in metres.
+Vec3d metres_of_axes(const TerrainJob& job, const OpenedTerrain& opened, Session& session) {
+  if (!is_gltf_path(job.output)) return {{1, 1, 1}};
+  const HeightFrame& frame = opened.facts.frame;
+  const Result<HorizontalMetric> metric = read_metric(frame.crs);
+  const auto place =
+      metric ? picture_frame(frame, opened.terrain.range(), *metric, 1.0) : metric.error();
+  if (!place) {
+    session.warn(fmt::format("{}: its coordinates are taken for metres, as those of glTF are: {}",
+                             job.output, place.error().message));
+    return {{1, 1, 1}};
+  }
+  if (!metric->is_known)
+    session.warn(
+        fmt::format("{}: x and y are taken for metres, as those of glTF are: the CRS is not known",
+                    job.output));
+  warn_of_unit(place->is_vertical_unit_known, frame, job.input, session);
+  return {{place->x_scale, place->y_scale, place->z_scale}};
+}
+
 Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                           const TerrainOptions& options, Session& session) {
   if (is_geotiff_path(job.output)) {
@@ -231,7 +260,12 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
              is_named ? std::move(written) : naming(job.input, std::move(written), session));
     return Written{made.terrain, made, made.sample_seconds + made.write_seconds};
   }
-  LODE_TRY(const auto clip, to_terrain_clip(job.clip, job.output));
+  LODE_TRY(auto clip, to_terrain_clip(job.clip, job.output));
+  if (clip) {
+    const HeightFrame& frame = opened.facts.frame;
+    LODE_TRY(const HorizontalMetric metric, naming(job.input, read_metric(frame.crs), session));
+    clip = near_terrain(*clip, metric, frame);
+  }
   LODE_TRY(const TerrainSurface made,
            naming(job.input, extract_terrain(opened.terrain, options, session.progress(), clip),
                   session));
@@ -239,7 +273,8 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
   LODE_CHECK(write_surface(job.output, made.surface,
                            {.comment = comment_of(made.report, opened, options.order),
                             .value_name = "height",
-                            .node_name = "terrain"},
+                            .node_name = "terrain",
+                            .metres = metres_of_axes(job, opened, session)},
                            session.progress()));
   return Written{made.report, {}, watch.seconds(), made.clip};
 }
@@ -274,8 +309,7 @@ Result<Outcome> run_points_info(const std::string& path, const TerrainArguments&
   table.add({"format", opened.facts.format});
   add_facts(opened.facts, outcome.json, table);
   outcome.json["range"] = {range.lower, range.upper};
-  table.add(
-      {"range", fmt::format("{} to {}", format_number(range.lower), format_number(range.upper))});
+  table.add({"range", format_heights(range.lower, range.upper)});
   outcome.text = table.to_string();
   return outcome;
 }
@@ -411,9 +445,7 @@ Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments
   outcome.json["range"] = info.has_heights ? Json::array({info.lower, info.upper}) : Json(nullptr);
   outcome.json["cells"] = info.n_cells;
   outcome.json["left_out_samples"] = info.n_left_out;
-  table.add({"range", info.has_heights ? fmt::format("{} to {}", format_number(info.lower),
-                                                     format_number(info.upper))
-                                       : "none"});
+  table.add({"range", info.has_heights ? format_heights(info.lower, info.upper) : "none"});
   table.add({"cells", fmt::format("{} with four heights", format_count(info.n_cells))});
   if (info.n_left_out > 0)
     table.add(

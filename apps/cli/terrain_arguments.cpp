@@ -18,11 +18,13 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
                  "(default: 1 % of their range); means --keep-features")
       ->type_name("R")
       ->group(group);
-  app.add_option("--breaklines", arguments.breaklines,
-                 "Make lines edges of every mesh of the selector, the pyramids and the ternary "
-                 "triangulation (not of models on squares, nor of hierarchies of triangulations): "
-                 ".geojson, "
-                 ".gpkg or .shp, in any CRS; lines without heights get the surface's")
+  app.add_option(
+         "--breaklines", arguments.breaklines,
+         "Make lines edges of every mesh of the selector, the pyramids and the ternary "
+         "triangulation (not of models on squares, nor of hierarchies of triangulations): "
+         ".geojson, "
+         ".gpkg or .shp, in any CRS, of all layers; points are left out, lines without heights get "
+         "the surface's")
       ->type_name("LINES")
       ->group(group);
   app.add_flag("--drape", arguments.drape,
@@ -30,8 +32,9 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
       ->group(group);
   app.add_option(
          "--drape-error", arguments.drape_error,
-         "How far breaklines without heights of their own may be from the surface (default: "
-         "half of --max-error, or without that a quarter percent of the range)")
+         "How far breaklines without heights of their own may be from the surface, where it is "
+         "looked at: twice a cell, or mean distance of points (default: half of --max-error, or "
+         "without that a quarter percent of the range)")
       ->type_name("E")
       ->group(group);
 }

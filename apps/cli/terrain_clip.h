@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "lode/api/terrain.h"
+#include "text.h"
 
 namespace lode::cli {
 

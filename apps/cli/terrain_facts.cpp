@@ -38,6 +38,7 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
   }
   if (lines.n_breaklines > 0) {
     all["breaklines"] = {{"lines", lines.n_breaklines},
+                         {"left_out_points", lines.n_points},
                          {"own_heights", lines.n_own_heights},
                          {"drape_error", lines.drape_error},
                          {"outside", lines.n_outside},

@@ -109,7 +109,8 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
 void warn_of_boxes(const TerrainFocus& focus, const HeightFrame& frame, Session& session) {
   constexpr double kLittle = 1e-4;
   for (const PlaceBox& box : focus.boxes)
-    if (const double share = share_outside(box, frame); share > kLittle)
+    if (const double share = share_outside(near_terrain(box, focus.metric, frame), frame);
+        share > kLittle)
       session.warn(fmt::format(
           "--box {},{},{},{}: {:.3g} % of it lie outside of the terrain's columns and rows, and "
           "count for nothing",

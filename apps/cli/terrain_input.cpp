@@ -175,6 +175,9 @@ Result<void> check_terrain_reading(const std::string& path, const TerrainArgumen
 namespace {
 
 void warn_of_lines(const TerrainLineReport& lines, const std::string& path, Session& session) {
+  if (lines.n_points > 0)
+    session.warn(fmt::format("{}: {} points are left out, as they are no lines", path,
+                             format_count(lines.n_points)));
   if (lines.n_outside > 0)
     session.warn(fmt::format(
         "{}: {} of {} lines lie outside of the domain, or in one place, and are left out", path,

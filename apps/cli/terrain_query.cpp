@@ -42,8 +42,9 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
 
 void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments) {
   app.add_flag("--everywhere", arguments.is_everywhere,
-               "Bounds hold between samples, too, against full resolution; of rasters, and models "
-               "that keep all heights");
+               "Bounds hold between samples, too, against full resolution; of rasters, quadtrees, "
+               "quaternary triangulations and bisected right triangles, which have all heights at "
+               "hand");
 }
 
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
@@ -71,9 +72,13 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
                          .way = arguments.way}));
   if (arguments.is_everywhere && !opened.samples)
     return fail(
-        "{}: expected a raster without lines, or a model that keeps all heights, with "
-        "--everywhere, got one whose heights between vertices are not known",
-        arguments.input);
+        "{}: expected a raster without lines, or a model that has all heights at hand (the "
+        "quadtrees, the quaternary triangulation, right_triangle_bisection), with --everywhere, "
+        "got "
+        "{}",
+        arguments.input,
+        opened.built ? std::string("a file or build of ") + name_of(opened.model)
+                     : "points, or a raster with lines");
   if (arguments.is_everywhere || arguments.may_be_everywhere) options.samples = opened.samples;
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(opened.facts.frame.crs), session));
@@ -104,9 +109,13 @@ void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& pa
       frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
 }
 
-Place end_of_way(const OpenedTerrain& opened, const HorizontalMetric& metric, const Place& from,
-                 const Place& to) {
-  return opened.is_closed ? nearest_turn(metric, from, to) : to;
+TerrainWay way_on(const OpenedTerrain& opened, const HorizontalMetric& metric, const Place& from,
+                  const Place& to) {
+  if (opened.is_closed) return {from, nearest_turn(metric, from, to)};
+  const double middle = (from[0] + to[0]) / 2;
+  const double shift = turns_towards(metric, middle_x(opened.facts.frame), middle);
+  const Place turned{{shift, 0}};
+  return {from + turned, to + turned};
 }
 
 void warn_of_long_way(const HorizontalMetric& metric, const HeightFrame& frame, const Place& from,

@@ -66,9 +66,14 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
                   Session& session);
 
-/// Where a way ends: where the terrain goes round the earth without a gap, on the shorter way.
-[[nodiscard]] Place end_of_way(const OpenedTerrain& opened, const HorizontalMetric& metric,
-                               const Place& from, const Place& to);
+/// The ends of a way: where the terrain goes round the earth without a gap, on the shorter way,
+/// else as many whole turns on or back as bring its middle near to the terrain.
+struct TerrainWay {
+  Place from;
+  Place to;
+};
+[[nodiscard]] TerrainWay way_on(const OpenedTerrain& opened, const HorizontalMetric& metric,
+                                const Place& from, const Place& to);
 
 /// Warns of a way that is straight in the coordinates and goes the long way round the earth, on a
 /// raster that has all of it.

@@ -79,6 +79,23 @@ std::string format_number(double value) {
   return with_separators(fmt::format("{:.7g}", value == 0 ? 0.0 : value));
 }
 
+std::string format_height(double value, double relief) {
+  constexpr double kSeven = 1e-7;
+  constexpr double kShare = 1e-3;
+  constexpr int kMostDecimals = 17;
+  const bool is_told = std::abs(value) * kSeven <= relief * kShare;
+  if (is_told || !(relief > 0) || !std::isfinite(value) || !std::isfinite(relief))
+    return format_number(value);
+  const double decimals =
+      std::clamp(std::ceil(-std::log10(relief * kShare)), 0.0, static_cast<double>(kMostDecimals));
+  return with_separators(fmt::format("{:.{}f}", value, static_cast<int>(decimals)));
+}
+
+std::string format_heights(double lower, double upper) {
+  return fmt::format("{} to {}", format_height(lower, upper - lower),
+                     format_height(upper, upper - lower));
+}
+
 std::string format_bytes(std::uint64_t n) {
   constexpr const char* kUnits[] = {"kB", "MB", "GB", "TB", "PB"};
   if (n < 1000) return fmt::format("{} bytes", n);

@@ -137,6 +137,24 @@ TEST_F(cli_features, are_read_back_from_a_geopackage_as_the_report_says) {
   }
 }
 
+/// Three layers, and one with points and lines.
+TEST_F(cli_features, are_breaklines_without_their_points) {
+  for (const char* name : {"features.gpkg", "features.geojson"}) {
+    SCOPED_TRACE(name);
+    const std::string out = scratch_ / name;
+    const auto made = write(out, "60");
+    const Finished run = run_lode({"extract", dem_, scratch_ / "lined.ply", "--max-error", "50",
+                                   "--breaklines", out, "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto lines = run.json().at("lines").at("breaklines");
+    EXPECT_EQ(lines.at("lines").get<int>(),
+              made.at("ridges").get<int>() + made.at("channels").get<int>());
+    EXPECT_GT(lines.at("left_out_points"), 5);
+    EXPECT_EQ(lines.at("outside"), 0);
+    EXPECT_NE(run.err.find("points are left out"), std::string::npos) << run.err;
+  }
+}
+
 TEST_F(cli_features, run_from_passes_along_samples_up_to_peaks_and_down_to_pits) {
   const std::string out = scratch_ / "features.gpkg";
   ASSERT_FALSE(write(out, "0").empty());

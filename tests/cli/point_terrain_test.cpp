@@ -177,6 +177,13 @@ TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
   EXPECT_EQ(json.at("triangles"), 81);
   EXPECT_EQ(json.at("lattice_step"), 0.01);
   EXPECT_NE(json.at("crs").get<std::string>().find("WGS 84"), std::string::npos);
+  // Longitudes a turn away are the same places.
+  write_bytes(scratch_ / "turned.csv", "x,y\n370.002,50.005\n370.105,50.005\n370.105,50.108\n");
+  const auto turned =
+      run_lode({"extract", scratch_ / "sea.xyz", scratch_ / "sea.ply", "--outline",
+                scratch_ / "turned.csv", "--crs", "EPSG:4326", "--max-error", "0", "--json"})
+          .json();
+  EXPECT_EQ(turned.at("positions"), 55);
 }
 
 TEST_F(cli_points, takes_outlines_of_geojson_with_holes_in_their_own_crs) {

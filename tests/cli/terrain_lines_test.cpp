@@ -124,6 +124,48 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   expect_refused({"--breaklines", lines_}, "empty geometry");
 }
 
+/// A raster in longitudes from 245 degrees on, and what files say of places there: -115 and on.
+TEST_F(cli_terrain_lines, a_turn_away_are_where_the_terrain_is) {
+  const std::string dem = scratch_ / "east.asc";
+  std::ofstream(dem) << std::ifstream(dem_).rdbuf();
+  std::string text = read_bytes(dem);
+  text.replace(text.find("xllcorner 0"), 11, "xllcorner 245");
+  text.replace(text.find("cellsize 1"), 10, "cellsize 0.1");
+  write_bytes(dem, text);
+  write_bytes(scratch_ / "east.prj",
+              "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],"
+              "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]");
+  write_bytes(lines_, R"({"type":"LineString","coordinates":[[-114.5,0.5,80],[-112.2,1.7,80]]})");
+  const std::string out = scratch_ / "out.ply";
+  const auto lined =
+      run_lode({"extract", dem, out, "--max-error", "5", "--breaklines", lines_, "--json"}).json();
+  EXPECT_EQ(lined.at("lines").at("breaklines").at("outside"), 0);
+  EXPECT_GT(lined.at("lines").at("edges"), 0);
+  const auto triangles = [&](const std::string& option, const std::string& value) {
+    Words words{"extract",     dem,   out,    "--model", "delaunay_pyramid",
+                "--max-error", "0.5", option, value};
+    if (option == "--focus-point") words.insert(words.end(), {"--growth", "0.001"});
+    words.emplace_back("--json");
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.err.find("outside of the terrain"), std::string::npos) << run.err;
+    EXPECT_EQ(run.err.find("meets no triangle"), std::string::npos) << run.err;
+    const auto json = run.json();
+    const auto& clip = json.at("clip");
+    return clip.is_null() ? json.at("triangles") : clip.at("triangles");
+  };
+  for (const char* option : {"--box", "--clip"})
+    EXPECT_EQ(triangles(option, "-114.5,-113,0.5,1.5"), triangles(option, "245.5,247,0.5,1.5"));
+  EXPECT_EQ(triangles("--focus-point", "-114,1"), triangles("--focus-point", "246,1"));
+  const auto profile = [&](const std::string& from, const std::string& to) {
+    return run_lode({"profile", dem, "--from", from, "--to", to, "--json"}).json().at("points");
+  };
+  EXPECT_EQ(profile("-114.5,1", "-112,2"), profile("245.5,1", "248,2"));
+  const auto sight = [&](const std::string& from, const std::string& to) {
+    return run_lode({"sight", dem, "--from", from, "--to", to, "--json"}).json().at("verdict");
+  };
+  EXPECT_EQ(sight("-114.5,1", "-112,2"), sight("245.5,1", "248,2"));
+}
+
 TEST_F(cli_terrain_lines, are_in_rasters_too) {
   const std::string out = scratch_ / "out.tif";
   EXPECT_EQ(run_lode({"extract", dem_, out, "--max-error", "5", "--keep-features"}).exit_code, 0);

@@ -1,4 +1,5 @@
 // lode height, profile: questions to the TIN of a raster of heights.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -192,7 +193,8 @@ TEST_F(cli_terrain_query, follows_segments_and_tells_gaps) {
   EXPECT_TRUE(json.at("distance_unit").is_null());
   const auto lines = lines_of(read_bytes(out));
   EXPECT_EQ(lines[0], "part,distance,x,y,height,bound");
-  EXPECT_EQ(json.at("rows"), lines.size() - 1);
+  EXPECT_EQ(json.at("profile_rows"), lines.size() - 1);
+  EXPECT_EQ(json.at("rows"), 30);
   // At full resolution rows of the raster are met at every sample that is a vertex.
   for (std::size_t i = 1; i < lines.size(); ++i) {
     double distance = 0;
@@ -203,8 +205,29 @@ TEST_F(cli_terrain_query, follows_segments_and_tells_gaps) {
       EXPECT_NEAR(height, dem_height(static_cast<int>(std::lround(column)), 9), 1e-6);
   }
   const Finished off = run_lode({"profile", dem_, "--from", "0,0", "--to", "5,5", "--json"});
-  EXPECT_EQ(off.json().at("rows"), 0);
+  EXPECT_EQ(off.json().at("profile_rows"), 0);
   EXPECT_NE(off.err.find("meets no terrain"), std::string::npos);
+}
+
+/// A thousand million and some centimetres: seven digits would show the same everywhere.
+TEST_F(cli_terrain_query, shows_as_many_digits_as_the_relief_takes) {
+  const std::string high = scratch_ / "high.xyz";
+  std::string text;
+  for (int i = 0; i < 6; ++i)
+    text += fmt::format("{} {} {}\n", i % 3, i / 3, 1000000000.25 + 0.25 * (i % 3));
+  write_bytes(high, text);
+  for (const Words& words : {Words{"info", high}, Words{"profile", high, "--from", "0,0.5", "--to",
+                                                        "2,0.5", "--max-error", "0"}}) {
+    const Finished run = run_lode(words);
+    EXPECT_NE(run.out.find("1,000,000,000.2500 to 1,000,000,000.7500"), std::string::npos)
+        << run.out << run.err;
+  }
+  const Finished at = run_lode({"height", high, "--at", "1,0.5", "--max-error", "0"});
+  EXPECT_NE(at.out.find("1,000,000,000.5000"), std::string::npos) << at.out;
+  const Finished lines = run_lode({"contours", high, scratch_ / "high.vtp", "--isovalue",
+                                   "1000000000.375", "--isovalue", "1000000000.625"});
+  EXPECT_NE(lines.out.find("2 from 1,000,000,000.3750 to 1,000,000,000.6250"), std::string::npos)
+      << lines.out << lines.err;
 }
 
 TEST_F(cli_terrain_query, bounds_hold_everywhere_where_all_heights_are_at_hand) {
@@ -224,7 +247,12 @@ TEST_F(cli_terrain_query, bounds_hold_everywhere_where_all_heights_are_at_hand) 
   }
   ASSERT_EQ(run_lode({"build", dem_, model, "--levels", "60"}).exit_code, 0);
   expect_refusal(run_lode({"height", model, "--at", place_of(7, 11), "--everywhere"}), 1,
-                 {"--everywhere", "all heights"});
+                 {"--everywhere", "all heights", "quadtrees"});
+  // Its file has all heights, but not at hand; features are found in it all the same.
+  ASSERT_EQ(run_lode({"build", dem_, model, "--model", "implicit_delaunay_pyramid"}).exit_code, 0);
+  expect_refusal(run_lode({"height", model, "--at", place_of(7, 11), "--everywhere"}), 1,
+                 {"all heights at hand", "implicit_delaunay_pyramid"});
+  EXPECT_EQ(run_lode({"features", model, scratch_ / "features.gpkg"}).exit_code, 0);
   const Words way{"--from", place_of(3, 11), "--to", place_of(30, 12)};
   const auto sight = [&](const std::string& of) {
     Words words{"sight",           of,    "--max-error", "60", "--observer-height", "900",

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
 
@@ -86,6 +88,39 @@ TEST(cli_terrain, is_called_terrain_in_gltf) {
   const std::string bytes = read_bytes(scratch / "dem.glb");
   EXPECT_NE(bytes.find("\"name\":\"terrain\""), std::string::npos);
   EXPECT_EQ(bytes.find("isosurface"), std::string::npos);
+}
+
+TEST(cli_terrain, is_in_metres_in_gltf) {
+  const Scratch scratch;
+  write_bytes(scratch / "dem.asc",
+              "ncols 3\nnrows 3\nxllcorner 10\nyllcorner 58.5\ncellsize 1\n1 2 3\n4 9 6\n7 8 9\n");
+  const auto matrix = [&](const std::string& prj) {
+    write_bytes(scratch / "dem.prj", prj);
+    const Finished run = run_lode({"extract", scratch / "dem.asc", scratch / "dem.glb"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const std::string bytes = read_bytes(scratch / "dem.glb");
+    const std::string name = "\"matrix\":";
+    const std::size_t first = bytes.find(name) + name.size();
+    const auto all = nlohmann::json::parse(bytes.substr(first, bytes.find(']', first) + 1 - first));
+    return std::array{all[0].get<double>(), -all[6].get<double>(), all[9].get<double>()};
+  };
+  const auto degrees = matrix(
+      "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],"
+      "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]");
+  // The usual series of metres of a degree, at 60 degrees, good to a metre.
+  EXPECT_NEAR(degrees[0], 111412.84 * 0.5 - 93.5 * -1 + 0.118 * 0.5, 1);
+  EXPECT_NEAR(degrees[1], 111132.92 - 559.82 * -0.5 + 1.175 * -0.5, 1);
+  EXPECT_EQ(degrees[2], 1);
+  const auto feet = matrix(
+      "PROJCS[\"here\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,"
+      "298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+      "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
+      "PARAMETER[\"central_meridian\",15],PARAMETER[\"scale_factor\",1],"
+      "PARAMETER[\"false_easting\",0],PARAMETER[\"false_northing\",0],UNIT[\"foot\",0.3048]]");
+  EXPECT_NEAR(feet[0], 0.3048, 1e-12);
+  EXPECT_NEAR(feet[1], 0.3048, 1e-12);
+  const Finished unknown = run_lode({"extract", scratch / "dem.asc", scratch / "dem.glb"});
+  EXPECT_NE(unknown.err.find("heights are taken for metres"), std::string::npos) << unknown.err;
 }
 
 TEST(cli_terrain, warns_of_boxes_that_lie_outside_in_part) {

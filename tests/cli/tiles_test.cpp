@@ -237,6 +237,36 @@ TEST_F(cli_tiles, are_refused_of_what_is_not_on_the_globe) {
   EXPECT_EQ(run_lode({"tiles", scratch_ / "points.xyz", folder_, "--max-error", "1"}).exit_code, 2);
 }
 
+/// In Kansas, where NAD27 and NAD83, which is within a metre or two of WGS 84, were laid on each
+/// other: places differ by some 30 m.
+TEST_F(cli_tiles, of_another_datum_are_warned_of_with_how_far_off_they_are) {
+  std::ofstream(dem_)
+      << "ncols 3\nnrows 3\nxllcorner -99\nyllcorner 39\ncellsize 0.01\n1 2 3\n4 5 6\n7 8 9\n";
+  const auto warnings = [&](const std::string& prj) {
+    std::ofstream(std::filesystem::path(dem_).replace_extension(".prj")) << prj;
+    std::filesystem::remove_all(folder_);
+    return run_lode({"tiles", dem_, folder_, "--max-error", "1", "--json"})
+        .json()
+        .at("warnings")
+        .dump();
+  };
+  const std::string rest = R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
+  const std::string nad27 =
+      warnings(R"(GEOGCS["NAD27",DATUM["North_American_Datum_1927",SPHEROID["Clarke 1866",)"
+               R"(6378206.4,294.978698213898]],)" +
+               rest);
+  const std::string before = "its middle is put ";
+  const std::size_t at = nad27.find(before);
+  ASSERT_NE(at, std::string::npos) << nad27;
+  const double metres = std::stod(nad27.substr(at + before.size()));
+  EXPECT_GT(metres, 10);
+  EXPECT_LT(metres, 60);
+  EXPECT_NE(nad27.find("--resample cubic"), std::string::npos);
+  const std::string wgs84 = warnings(
+      R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)" + rest);
+  EXPECT_EQ(wgs84.find(before), std::string::npos) << wgs84;
+}
+
 /// 60 x 45 heights in UTM's zone 33, ESRI ASCII with what ArcGIS writes beside it.
 void write_projected(const std::string& folder) {
   std::ofstream(folder + "utm.prj")

@@ -169,6 +169,42 @@ TEST_F(point_reader, takes_text_with_all_separators_headings_and_comments) {
   }
 }
 
+TEST_F(point_reader, finds_the_columns_that_a_heading_names) {
+  const std::vector<Vec3d> expected{{{20, 10, 5}}, {{21, 11, 6}}};
+  for (const char* text :
+       {"id;lon;lat;ele\n1;20;10;5\n2;21;11;6\n", "N,X,Y,Elev\n1,20,10,5\n2,21,11,6\n",
+        "POINT_X,POINT_Y,GRID_CODE,\n20,10,5,\n21,11,6,a\n", "h n e\n5 10 20\n6 11 21\n",
+        "x,lon,lat,alt\n1,20,10,5\n2,21,11,6\n",
+        "id,\"Northing\",East,Altitude\n"
+        "1,10,20,5\n2,11,21,6\n"}) {
+    SCOPED_TRACE(text);
+    EXPECT_EQ(read(write("a.csv", text)).points, expected);
+  }
+}
+
+TEST_F(point_reader, refuses_headings_that_name_a_part_and_lists_the_names) {
+  for (const char* names : {"id;lon;lat;dem", "lon;y;z", "x;z;lat", "a;b;c;d", "id;z;other"}) {
+    const std::string message = refusal(write("a.csv", std::string(names) + "\n1;20;10;5\n"));
+    for (const char* part : {names, "in line 1", "longitude", "northing", "grid_code"})
+      EXPECT_NE(message.find(part), std::string::npos) << part << ": " << message;
+  }
+}
+
+TEST_F(point_reader, refuses_decimal_commas_and_lines_of_other_lengths) {
+  for (const char* text : {"0,5 0,5 1\n10,5 0 2\n", "1.5,2.5,3\n0 10,5 3\n", "0,5;0,5;1\n",
+                           "0,5\t1\t2\n", "1, 2, 0,5\n1, 2, 3\n", "1,2,3\n1,5, 2, 3\n"}) {
+    const std::string path = write("a.csv", text);
+    const std::string message = refusal(path);
+    EXPECT_NE(message.find(" in line "), std::string::npos) << message;
+    if (std::string_view(text) != "1, 2, 0,5\n1, 2, 3\n")
+      EXPECT_NE(message.find("decimals need a point"), std::string::npos) << message;
+  }
+  expect_refusal("a.csv", "1,2,3,4\n\n1,2,3\n", "expected 4 columns, as before, in line 3, got 3");
+  expect_refusal("a.csv", "x y z\n7 1 2 3\n", "expected 3 columns, as before, in line 2, got 4");
+  expect_refusal("a.csv", "name,x,y,z\n\"Foo, Bar\",1,2,3\n", "got 5");
+  EXPECT_EQ(read(write("a.csv", "1,2,3,\n4, 5, 6\n7,8,9\n")).points.size(), 3U);
+}
+
 TEST_F(point_reader, takes_text_longer_than_its_buffers) {
   std::string text;
   for (int i = 0; i < 60000; ++i) text += fmt::format("{} {} {}\n", i, i % 7, 0.5 * i);

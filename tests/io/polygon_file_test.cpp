@@ -188,18 +188,42 @@ TEST_F(polygon_file, of_lines_is_read_in_another_crs_with_its_heights) {
   const std::string file =
       write("lines.gpkg", "GPKG",
             {{"LINESTRING Z (15 36 7,15 37 8,15.5 37 9)", "LINESTRING (15 36,15 37)"}}, 4326);
-  const auto lines = read_lines(file, *to_wkt("EPSG:32633"));
-  ASSERT_TRUE(lines) << lines.error().message;
-  ASSERT_EQ(lines->size(), 2);
-  const PlaceLine& line = lines->front();
+  const auto read = read_lines(file, *to_wkt("EPSG:32633"));
+  ASSERT_TRUE(read) << read.error().message;
+  const std::vector<PlaceLine>& lines = read->lines;
+  ASSERT_EQ(lines.size(), 2);
+  EXPECT_EQ(read->n_points, 0);
+  const PlaceLine& line = lines.front();
   ASSERT_EQ(line.size(), 3);
   EXPECT_NEAR(line[0][0], 500000, 1e-6);
   EXPECT_NEAR(line[1][0], 500000, 1e-6);
   EXPECT_GT(line[2][0], 540000);
   EXPECT_NEAR(line[1][1] - line[0][1], 110900, 200);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(line[i][2], 7 + static_cast<double>(i));
-  EXPECT_TRUE(std::isnan(lines->back()[0][2]));
+  EXPECT_TRUE(std::isnan(lines.back()[0][2]));
   EXPECT_FALSE(read_lines(file, ""));
+}
+
+TEST_F(polygon_file, of_lines_is_read_layer_by_layer_without_points) {
+  const std::string file = write("network.gpkg", "GPKG",
+                                 {{"POINT Z (1 2 3)", "MULTIPOINT ((1 2),(3 4))"},
+                                  {"LINESTRING (0 0,1 1)"},
+                                  {},
+                                  {"LINESTRING (5 5,6 6,7 7)", "POINT (5 5)"}},
+                                 32633);
+  const auto read = read_lines(file, *to_wkt("EPSG:32633"));
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->lines.size(), 2);
+  EXPECT_EQ(read->lines[0].size(), 2);
+  EXPECT_EQ(read->lines[1].size(), 3);
+  EXPECT_EQ(read->n_points, 4);
+  const auto points =
+      read_lines(write("points.gpkg", "GPKG", {{}, {"POINT (1 2)"}}, 32633), *to_wkt("EPSG:32633"));
+  ASSERT_FALSE(points);
+  EXPECT_NE(points.error().message.find("expected lines, got a point in feature 1"),
+            std::string::npos)
+      << points.error().message;
+  EXPECT_FALSE(read_lines(write("none.gpkg", "GPKG", {{}, {}}, 32633), ""));
 }
 
 }  // namespace

@@ -78,6 +78,17 @@ TEST(glb_file, stands_upright) {
             std::string::npos);
 }
 
+TEST(glb_file, is_in_metres_and_read_back_in_its_own_units) {
+  const Surface torus = make_torus(3);
+  const std::string bytes = written_bytes(torus, {.metres = {{80000, 110000, 0.25}}});
+  EXPECT_NE(bytes.find(R"("matrix":[80000.0,0.0,0.0,0.0,0.0,0.0,-110000.0,0.0,)"
+                       R"(0.0,0.25,0.0,0.0,0.0,0.0,0.0,1.0])"),
+            std::string::npos);
+  const auto read = read_bytes(".glb", bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->positions, torus.positions);
+}
+
 TEST(glb_file, replaces_comment_bytes_that_are_no_utf8) {
   const std::string bytes = written_bytes(make_torus(3), {.comment = "\xff\xfe"});
   EXPECT_TRUE(read_bytes(".glb", bytes));
@@ -106,12 +117,14 @@ TEST(glb_file, refuses_json_of_other_shapes) {
     return R"({"nodes":[)" + outer + "," + inner + "]}";
   };
   const std::string turned = R"({"matrix":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1],"children":[1]})";
+  const std::string mirrored = R"({"matrix":[1,0,0,0,0,0,1,0,0,1,0,0,0,0,0,1],"children":[1]})";
   const std::string not_turned = R"({"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"children":[1]})";
   EXPECT_EQ(complaint_about(".glb", make_glb(of_nodes(turned, "{}"), 4)), "");
   for (const std::string& json : std::vector<std::string>{
            "", "[]", "7", "{", "{}", R"({"nodes":7})", R"({"nodes":[7]})", R"({"nodes":[7,7]})",
-           of_nodes(turned, "7"), of_nodes(not_turned, "{}"), of_nodes("{}", "{}"),
-           of_nodes(R"({"matrix":[1,0]})", "{}"), of_nodes(turned, R"({"mesh":0})"),
+           of_nodes(turned, "7"), of_nodes(not_turned, "{}"), of_nodes(mirrored, "{}"),
+           of_nodes("{}", "{}"), of_nodes(R"({"matrix":[1,0]})", "{}"),
+           of_nodes(turned, R"({"mesh":0})"),
            of_nodes(turned, R"({"mesh":0}],"meshes":[{"primitives":{}})"),
            of_nodes(turned, R"({"mesh":0}],"meshes":[{"primitives":[{"attributes":[]}]})"),
            of_nodes(turned, R"({"scale":[2,2,2]})"),

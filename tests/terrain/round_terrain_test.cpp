@@ -89,5 +89,21 @@ TEST(round_terrain, brings_places_near) {
   EXPECT_EQ(nearest_turn({}, {{359, 3}}, {{1, 8}})[0], 1) << "in a plane";
 }
 
+TEST(round_terrain, adds_the_turns_that_bring_a_longitude_near) {
+  const auto shift = [](double to, double longitude) {
+    return turns_towards(degrees(), to, longitude);
+  };
+  EXPECT_NEAR(shift(250, -110), 360, 1e-9);
+  EXPECT_NEAR(shift(-110, 250), -360, 1e-9);
+  EXPECT_NEAR(shift(10, 740), -720, 1e-9);
+  EXPECT_EQ(shift(10, -169), 0);
+  EXPECT_EQ(shift(0, 180), 0) << "as near on both sides";
+  EXPECT_EQ(shift(0, -180), 0);
+  EXPECT_EQ(shift(-1e-12, 180), 0);
+  EXPECT_EQ(shift(0, 1e300), 0);
+  EXPECT_EQ(turns_towards({}, 250, -110), 0) << "in a plane";
+  EXPECT_NEAR(middle_x(globe(37)), 0, 1e-12);
+}
+
 }  // namespace
 }  // namespace lode

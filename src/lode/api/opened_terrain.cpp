@@ -70,6 +70,17 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
           .vertical = file.vertical};
 }
 
+/// Lines whose longitudes are whole turns away from a terrain's, there.
+void bring_near(const HeightFrame& frame, std::vector<PlaceLine>& lines) {
+  const Result<HorizontalMetric> metric = io::read_metric(frame.crs);
+  if (!metric) return;
+  for (PlaceLine& line : lines) {
+    const auto [west, east] = std::ranges::minmax(line, {}, [](const Vec3d& p) { return p[0]; });
+    const double shift = turns_towards(*metric, middle_x(frame), (west[0] + east[0]) / 2);
+    for (Vec3d& p : line) p[0] += shift;
+  }
+}
+
 Result<TerrainLineOptions> read_line_options(const TerrainReadOptions& options,
                                              const HeightFrame& frame, const HeightRange& range) {
   constexpr double kDefaultShare = 0.0025;
@@ -80,7 +91,10 @@ Result<TerrainLineOptions> read_line_options(const TerrainReadOptions& options,
   lines.drape_error =
       options.drape_error.value_or(std::max(0.0, kDefaultShare * (range.upper - range.lower)));
   if (options.breaklines.empty()) return lines;
-  LODE_TRY(lines.breaklines, io::read_lines(options.breaklines, frame.crs));
+  LODE_TRY(io::LineFile file, io::read_lines(options.breaklines, frame.crs));
+  lines.breaklines = std::move(file.lines);
+  lines.n_points = file.n_points;
+  bring_near(frame, lines.breaklines);
   return lines;
 }
 

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "lode/api/round_terrain.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/core/out_of_memory.h"
@@ -69,13 +70,32 @@ std::vector<Vec3d> points_within(std::span<const Vec3d> points,
   return within;
 }
 
+/// With polygons whose longitudes are whole turns away from the points' there.
+PointTerrainOptions options_near(std::span<const Vec3d> points, const HorizontalMetric& metric,
+                                 PointTerrainOptions options) {
+  const auto middle_of = [](const auto& places) {
+    const auto [west, east] = std::ranges::minmax(places, {}, [](const auto& p) { return p[0]; });
+    return (west[0] + east[0]) / 2;
+  };
+  if (points.empty()) return options;
+  const double middle = middle_of(points);
+  for (PlacePolygon& polygon : options.outline) {
+    const double shift = turns_towards(metric, middle, middle_of(polygon.front()));
+    for (auto& ring : polygon)
+      for (auto& p : ring) p[0] += shift;
+  }
+  return options;
+}
+
 Result<void> check_options(const PointTerrainOptions& options) {
   if (options.max_edge && !(*options.max_edge > 0))
     return fail("expected a longest edge > 0, got {}", *options.max_edge);
-  for (const PlacePolygon& polygon : options.outline)
+  for (const PlacePolygon& polygon : options.outline) {
+    if (polygon.empty()) return fail("expected outlines with an outer ring, got none");
     for (const auto& ring : polygon)
       if (ring.size() < 3)
         return fail("expected an outline of three corners or more, got {}", ring.size());
+  }
   return {};
 }
 
@@ -87,9 +107,9 @@ Terrain to_terrain(std::shared_ptr<const PointTerrain> terrain) {
 
 Result<PointTerrain> make_point_terrain(std::span<const Vec3d> points, const PointLattice& lattice,
                                         const HorizontalMetric& metric,
-                                        const PointTerrainOptions& options,
-                                        Progress& progress) try {
-  LODE_CHECK(check_options(options));
+                                        const PointTerrainOptions& wanted, Progress& progress) try {
+  LODE_CHECK(check_options(wanted));
+  const PointTerrainOptions options = options_near(points, metric, wanted);
   PointTerrain made;
   std::vector<Vec3d> within;
   if (!options.outline.empty()) {

@@ -1,5 +1,6 @@
 #include "lode/api/round_terrain.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -68,6 +69,18 @@ HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longi
         return cut;
       },
       grid.heights);
+}
+
+double turns_towards(const HorizontalMetric& metric, double to, double longitude) {
+  if (!metric.ellipsoid || !is_longitude(metric, to) || !is_longitude(metric, longitude)) return 0;
+  const double turns = (to - longitude) / turn_of(metric);
+  // What is half a turn away, but for rounding, is at the border of what goes all the way round.
+  constexpr double kHalf = 0.5 + 1e-9;
+  return std::copysign(std::max(0.0, std::ceil(std::abs(turns) - kHalf)), turns) * turn_of(metric);
+}
+
+double middle_x(const HeightFrame& frame) {
+  return frame.world((frame.n_columns - 1) / 2.0, (frame.n_rows - 1) / 2.0)[0];
 }
 
 Vec<double, 2> nearest_turn(const HorizontalMetric& metric, const Vec<double, 2>& from,

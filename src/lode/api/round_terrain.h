@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "lode/core/height_frame.h"
 #include "lode/core/height_grid.h"
 #include "lode/core/horizontal_metric.h"
 #include "lode/core/vec.h"
@@ -24,6 +25,13 @@ namespace lode {
 /// way round to that column once more: so a way that begins there and is no longer than a turn does
 /// not leave it.
 [[nodiscard]] HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longitude);
+
+/// Whole turns to be added to a longitude, so that it is no more than half a turn from another; 0
+/// where that is so, and where either is none.
+[[nodiscard]] double turns_towards(const HorizontalMetric& metric, double to, double longitude);
+
+/// The x of the middle of a terrain's columns and rows.
+[[nodiscard]] double middle_x(const HeightFrame& frame);
 
 /// A place as many turns on or back as bring it nearest to another; itself, where either is at no
 /// longitude.

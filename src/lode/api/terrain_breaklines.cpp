@@ -158,6 +158,7 @@ Result<void> add_breaklines(LineGround& ground, const TerrainLineOptions& option
                                      .pull = ground.pull},
                                     progress));
   report.n_breaklines = options.breaklines.size();
+  report.n_points = options.n_points;
   report.n_own_heights = laid.n_own;
   report.drape_error = options.drape_error;
   report.n_outside = laid.n_outside;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "lode/api/round_terrain.h"
 #include "lode/refine/focus.h"
 #include "lode/refine/surface_facts.h"
 
@@ -94,7 +95,25 @@ Ring cut(const Ring& ring, std::size_t axis, double limit, double sign) {
   return left;
 }
 
+/// With places that may be whole turns away.
+TerrainFocus focus_near(TerrainFocus focus, const HeightFrame& frame) {
+  for (PlaceBox& box : focus.boxes) box = near_terrain(box, focus.metric, frame);
+  if (focus.point)
+    (*focus.point)[0] += turns_towards(focus.metric, middle_x(frame), (*focus.point)[0]);
+  return focus;
+}
+
 }  // namespace
+
+PlaceBox near_terrain(const PlaceBox& box, const HorizontalMetric& metric,
+                      const HeightFrame& frame) {
+  PlaceBox near = box;
+  const double middle = (box.lower[0] + box.upper[0]) / 2;
+  const double shift = turns_towards(metric, middle_x(frame), middle);
+  near.lower[0] += shift;
+  near.upper[0] += shift;
+  return near;
+}
 
 double share_outside(const PlaceBox& box, const HeightFrame& frame) {
   // Lines and points get some width; shares of areas are the same in columns and rows.
@@ -117,9 +136,10 @@ double share_outside(const PlaceBox& box, const HeightFrame& frame) {
   return std::clamp(1 - (ring.empty() ? 0 : area_of(ring)) / all, 0.0, 1.0);
 }
 
-Result<TerrainDemand> TerrainDemand::make(const TerrainFocus& focus, double tolerance,
+Result<TerrainDemand> TerrainDemand::make(const TerrainFocus& wanted, double tolerance,
                                           const HeightFrame& grid, const HeightRange& range) {
-  LODE_CHECK(check_focus(focus));
+  LODE_CHECK(check_focus(wanted));
+  const TerrainFocus focus = focus_near(wanted, grid);
   TerrainDemand made;
   std::vector<Demand> demands;
   for (const PlaceBox& box : focus.boxes) demands.emplace_back(demand_in(box, tolerance));

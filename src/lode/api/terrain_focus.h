@@ -40,11 +40,17 @@ struct TerrainFocus {
   [[nodiscard]] bool is_empty() const { return !has_place() && !view; }
 };
 
+/// A box whose longitudes are brought near to those of a terrain, by the whole turns that its
+/// middle is away.
+[[nodiscard]] PlaceBox near_terrain(const PlaceBox& box, const HorizontalMetric& metric,
+                                    const HeightFrame& frame);
+
 /// A focus on a terrain, ready to be asked.
 class TerrainDemand {
  public:
   /// Of a tolerance, in units of the heights. Distances are those to the nearest place of a
-  /// triangle's box, nearest by coordinates. Fails on what has no answer.
+  /// triangle's box, nearest by coordinates; longitudes a whole turn away are the same. Fails on
+  /// what has no answer.
   [[nodiscard]] static Result<TerrainDemand> make(const TerrainFocus& focus, double tolerance,
                                                   const HeightFrame& grid,
                                                   const HeightRange& range);

@@ -19,6 +19,7 @@ struct TerrainLineOptions {
   /// channels between them: see docs/models/terrain_features.md.
   std::optional<double> least_relief{};
   std::vector<PlaceLine> breaklines{};  ///< In the terrain's coordinates.
+  std::uint64_t n_points = 0;           ///< That their file has beside them: for the report.
   bool is_draped = false;  ///< Breaklines get the surface's heights, though they have their own.
   double drape_error = 0;  ///< >= 0: draped lines stay that near to the surface.
 };
@@ -30,6 +31,7 @@ struct TerrainLineReport {
   std::uint64_t n_ridges = 0;
   std::uint64_t n_channels = 0;
   std::uint64_t n_breaklines = 0;
+  std::uint64_t n_points = 0;       ///< Of their file, left out as they are no lines.
   std::uint64_t n_own_heights = 0;  ///< Breaklines whose heights are kept.
   double drape_error = 0;           ///< Of the others: see TerrainLineOptions.
   std::uint64_t n_outside = 0;      ///< Breaklines no part of which is in the domain.

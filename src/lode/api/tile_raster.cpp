@@ -1,5 +1,7 @@
 #include "lode/api/tile_raster.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -80,6 +82,27 @@ Result<void> check_globe(const std::string& path, const HorizontalMetric& metric
   return {};
 }
 
+/// Says how far clients put a raster from where it is, as they take its degrees for those of
+/// WGS 84.
+void note_datum(const HeightFrame& frame, std::vector<std::string>& notes) {
+  const Vec<double, 2> own = frame.world((frame.n_columns - 1) / 2.0, (frame.n_rows - 1) / 2.0);
+  const auto there = io::to_wgs84(frame.crs, own);
+  if (!there) {
+    notes.push_back("its degrees are taken for those of WGS 84: " + there.error().message);
+    return;
+  }
+  constexpr double kTurn = 360;
+  constexpr double kDegree = std::numbers::pi / 180;
+  const Vec<double, 2> near{{own[0] + std::remainder((*there)[0] - own[0], kTurn), (*there)[1]}};
+  const double metres = length_on(kWgs84Ellipsoid, own * kDegree, near * kDegree);
+  constexpr double kLittle = 1;
+  if (metres >= kLittle)
+    notes.push_back(fmt::format(
+        "its degrees are taken for those of WGS 84, which its datum is not: its middle is put "
+        "{:.3g} m from where it is; --resample cubic puts it in degrees of WGS 84",
+        metres));
+}
+
 /// Degrees on an ellipsoid.
 Result<void> check_place(const std::string& path, const io::HeightRaster& raster,
                          std::vector<std::string>& notes) {
@@ -102,7 +125,9 @@ Result<void> check_place(const std::string& path, const io::HeightRaster& raster
         "{}: expected longitudes and latitudes in degrees, got another unit: --resample cubic puts "
         "it in degrees",
         path);
-  return check_globe(path, metric);
+  LODE_CHECK(check_globe(path, metric));
+  note_datum(raster.grid, notes);
+  return {};
 }
 
 bool is_above_ellipsoid(const io::HeightRaster& raster) {

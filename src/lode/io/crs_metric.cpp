@@ -1,12 +1,31 @@
 #include "lode/io/crs_metric.h"
 
 #include <new>
+#include <span>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/gdal_crs.h"
 #include "lode/io/gdal_raster.h"
+#include "lode/io/vector_input.h"
 
 namespace lode::io {
+namespace {
+
+/// Keeps GDAL's messages from stderr.
+class QuietGdal {
+ public:
+  explicit QuietGdal(const GdalLibrary& gdal) : gdal_(gdal) {
+    gdal_.push_error_handler(gdal_.quiet_handler);
+  }
+  QuietGdal(const QuietGdal&) = delete;
+  QuietGdal& operator=(const QuietGdal&) = delete;
+  ~QuietGdal() { gdal_.pop_error_handler(); }
+
+ private:
+  const GdalLibrary& gdal_;
+};
+
+}  // namespace
 
 Result<HorizontalMetric> read_metric(const std::string& crs) try {
   if (crs.empty()) return HorizontalMetric{};
@@ -36,6 +55,17 @@ Result<HorizontalMetric> read_metric(const std::string& crs) try {
   return metric;
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the CRS");
+}
+
+Result<Vec<double, 2>> to_wgs84(const std::string& crs, Vec<double, 2> place) try {
+  LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
+  const QuietGdal quiet(*gdal);
+  LODE_TRY(const PlaceTransform way,
+           PlaceTransform::make("the place", crs, "EPSG:4326", "degrees of WGS 84"));
+  LODE_CHECK(way.apply(std::span(&place, 1)));
+  return place;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("transform a place");
 }
 
 }  // namespace lode::io

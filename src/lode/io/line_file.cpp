@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -37,16 +38,23 @@ Result<PlaceLine> read_line(const std::string& path, const GdalLibrary& gdal, OG
 
 }  // namespace
 
-Result<std::vector<PlaceLine>> read_lines(const std::string& path, const std::string& crs) try {
+Result<LineFile> read_lines(const std::string& path, const std::string& crs) try {
   if (!is_vector_path(path))
     return fail("{}: expected a file that ends in .geojson, .json, .gpkg or .shp", path);
   // GDAL takes URLs and the text of some formats for names, too.
   LODE_TRY(const InputFilePtr opened, InputFile::open(path));
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   const VectorInput input(path, "lines", gdal);
-  std::vector<PlaceLine> lines;
+  LineFile file;
+  std::vector<PlaceLine>& lines = file.lines;
+  std::optional<Error> first_point;
   const auto add = [&](OGRGeometryH geometry, GIntBig number) -> Result<void> {
     const OGRwkbGeometryType type = gdal->flat_type(gdal->geometry_type(geometry));
+    if (type == wkbPoint) {
+      ++file.n_points;
+      if (!first_point) first_point = input.other_than_wanted(geometry, number);
+      return {};
+    }
     const bool is_polygon = type == wkbPolygon;
     if (!is_polygon && type != wkbLineString) return input.other_than_wanted(geometry, number);
     const int n = is_polygon ? gdal->n_parts(geometry) : 1;
@@ -57,10 +65,16 @@ Result<std::vector<PlaceLine>> read_lines(const std::string& path, const std::st
     }
     return {};
   };
-  LODE_TRY(const std::string own_crs, input.read(add));
-  LODE_TRY(const PlaceTransform way, PlaceTransform::make(path, own_crs, crs, "samples"));
-  for (PlaceLine& line : lines) LODE_CHECK(way.apply(std::span(line)));
-  return lines;
+  std::size_t n_placed = 0;
+  const auto end_layer = [&](const std::string& own_crs) -> Result<void> {
+    if (n_placed == lines.size()) return {};
+    LODE_TRY(const PlaceTransform way, PlaceTransform::make(path, own_crs, crs, "samples"));
+    for (; n_placed < lines.size(); ++n_placed) LODE_CHECK(way.apply(std::span(lines[n_placed])));
+    return {};
+  };
+  LODE_CHECK(input.read_layers(add, end_layer));
+  if (lines.empty() && first_point) return *first_point;
+  return file;
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the lines", path);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,12 +9,17 @@
 
 namespace lode::io {
 
-/// Reads lines from GeoJSON, a GeoPackage or a shapefile through GDAL, one layer of them, with
-/// heights where they have some, and rings of polygons as lines; arcs become chords. x and y come
-/// in the coordinates of a CRS, as WKT, as polygons_in() has them; heights as they are. Fails,
-/// naming the file and the feature, on anything else, on coordinates that are not finite, and on
-/// lines of one point.
-[[nodiscard]] Result<std::vector<PlaceLine>> read_lines(const std::string& path,
-                                                        const std::string& crs);
+/// The lines of a file of features.
+struct LineFile {
+  std::vector<PlaceLine> lines;
+  std::uint64_t n_points = 0;  ///< Features, or parts of them, that are points: left out.
+};
+
+/// Reads lines from GeoJSON, a GeoPackage or a shapefile through GDAL, of all layers, with heights
+/// where they have some, and rings of polygons as lines; arcs become chords. x and y come in the
+/// coordinates of a CRS, as WKT, as polygons_in() has them; heights as they are. Fails, naming the
+/// file and the feature, on anything else, on points without a line, on coordinates that are not
+/// finite, and on lines of one point.
+[[nodiscard]] Result<LineFile> read_lines(const std::string& path, const std::string& crs);
 
 }  // namespace lode::io

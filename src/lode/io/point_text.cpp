@@ -1,15 +1,20 @@
 #include "lode/io/point_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 #include <cstddef>
-#include <initializer_list>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "lode/io/byte_stream.h"
 #include "lode/io/inflate.h"
@@ -92,19 +97,53 @@ class LineReader {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// What is between blanks, or between commas and semicolons, which may have blanks round them.
-void split_columns(std::string_view line, std::vector<std::string_view>& words) {
+enum class Separator : std::uint8_t { blank, comma, semicolon };
+
+/// Blanks beside a comma or semicolon belong to it.
+Separator separator_of(std::string_view line) {
+  const std::size_t first = line.find_first_of(",;");
+  if (first == std::string_view::npos) return Separator::blank;
+  return line[first] == ',' ? Separator::comma : Separator::semicolon;
+}
+
+void split_columns(std::string_view line, Separator separator,
+                   std::vector<std::string_view>& words) {
   words.clear();
   line = trimmed(line);
-  while (!line.empty()) {
+  if (line.empty()) return;
+  const auto separates = [&](char c) {
+    if (separator == Separator::blank) return is_blank(c);
+    return c == (separator == Separator::comma ? ',' : ';');
+  };
+  for (;;) {
     std::size_t n = 0;
-    while (n < line.size() && !is_blank(line[n]) && line[n] != ',' && line[n] != ';') ++n;
-    words.push_back(line.substr(0, n));
-    while (n < line.size() && is_blank(line[n])) ++n;
-    if (n < line.size() && (line[n] == ',' || line[n] == ';')) ++n;
-    while (n < line.size() && is_blank(line[n])) ++n;
-    line.remove_prefix(n);
+    while (n < line.size() && !separates(line[n])) ++n;
+    words.push_back(trimmed(line.substr(0, n)));
+    if (n == line.size()) return;
+    line = trimmed(line.substr(n + 1));
   }
+}
+
+/// How many columns lines have, where empty ones at the end count or not.
+struct ColumnCount {
+  std::size_t least = 0;
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+};
+
+ColumnCount count_columns(const std::vector<std::string_view>& words) {
+  ColumnCount count{words.size(), words.size()};
+  while (count.least > 0 && words[count.least - 1].empty()) --count.least;
+  return count;
+}
+
+/// A comma within digits, where something else separates columns, too: 0,5 1 2.
+bool has_decimal_comma(std::string_view line) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  line = trimmed(line);
+  if (line.find_first_of("; \t") == std::string_view::npos) return false;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i)
+    if (line[i] == ',' && is_digit(line[i - 1]) && is_digit(line[i + 1])) return true;
+  return false;
 }
 
 /// Which columns are x, y and height.
@@ -116,20 +155,38 @@ bool is_heading(const std::vector<std::string_view>& words) {
   return std::isalpha(static_cast<unsigned char>(first)) != 0;
 }
 
-Columns columns_of(const std::vector<std::string_view>& heading) {
-  constexpr Columns kFirst{0, 1, 2};
-  const auto find = [&](std::initializer_list<std::string_view> names) {
-    for (std::size_t i = 0; i < heading.size(); ++i) {
-      std::string name = to_lower(heading[i]);
-      std::erase(name, '"');
-      if (std::ranges::count(names, name) > 0) return i;
-    }
-    return heading.size();
-  };
-  const Columns named{find({"x", "lon", "long", "longitude", "easting"}),
-                      find({"y", "lat", "latitude", "northing"}),
-                      find({"z", "height", "elevation", "altitude", "depth"})};
-  return std::ranges::count(named, heading.size()) > 0 ? kFirst : named;
+/// The first column with one of the names, separated by blanks.
+std::optional<std::size_t> find_column(const std::vector<std::string_view>& heading,
+                                       std::string_view names) {
+  const std::vector<std::string_view> known = split_words(names);
+  for (std::size_t i = 0; i < heading.size(); ++i) {
+    std::string name = to_lower(heading[i]);
+    std::erase(name, '"');
+    if (std::ranges::count(known, std::string_view(trimmed(name))) > 0) return i;
+  }
+  return std::nullopt;
+}
+
+/// Names of x and y that go together.
+constexpr std::array<std::array<std::string_view, 2>, 3> kPlaceNames{
+    {{"x point_x", "y point_y"},
+     {"lon long lng longitude", "lat latitude"},
+     {"e east easting", "n north northing"}}};
+constexpr std::string_view kHeightNames =
+    "z point_z h height ele elev elevation alt altitude depth grid_code";
+
+/// Nothing where the heading names some of the three, or none of more columns.
+std::optional<Columns> columns_of(const std::vector<std::string_view>& heading) {
+  const auto height = find_column(heading, kHeightNames);
+  bool has_place = false;
+  for (const auto& [x_names, y_names] : kPlaceNames) {
+    const auto x = find_column(heading, x_names);
+    const auto y = find_column(heading, y_names);
+    if (x && y && height) return Columns{*x, *y, *height};
+    has_place = has_place || x || y;
+  }
+  if (has_place || height || heading.size() != 3) return std::nullopt;
+  return Columns{0, 1, 2};
 }
 
 /// How many decimals a number is written with, but for zeros at its end.
@@ -164,12 +221,17 @@ class TextPointReader {
         if (progress.is_cancelled()) return cancelled_error();
         progress.report("reading", lines.share_read());
       }
-      split_columns(line, words_);
+      const Separator separator = separator_of(line);
+      split_columns(line, separator, words_);
       if (words_.empty() || words_[0].starts_with('#')) continue;
-      if (std::exchange(is_first, false) && is_heading(words_))
-        columns_ = columns_of(words_);
-      else
+      const bool may_be_heading = std::exchange(is_first, false);
+      if (may_be_heading && is_heading(words_)) {
+        LODE_CHECK(take_heading(line, lines.n_lines()));
+        n_columns_[static_cast<std::size_t>(separator)] = count_columns(words_);
+      } else {
+        LODE_CHECK(check_columns(line, separator, lines.n_lines()));
         LODE_CHECK(add_point(line, lines.n_lines()));
+      }
     }
     file_.format = "text";
     // Beyond it, powers of ten are not exact.
@@ -181,6 +243,36 @@ class TextPointReader {
  private:
   static constexpr std::uint64_t kLinesPerReport = 1 << 16;
 
+  Result<void> take_heading(std::string_view line, std::uint64_t n_line) {
+    const auto found = columns_of(words_);
+    if (!found) {
+      std::string known;
+      for (const auto& [x_names, y_names] : kPlaceNames)
+        known += fmt::format("{} with {}; ", x_names, y_names);
+      return fail(
+          "{}: expected a heading of x, y and height in line {} (known are {}{}), or none, where "
+          "the first three columns are taken; got {}",
+          path_, n_line, known, kHeightNames, quoted(line));
+    }
+    columns_ = *found;
+    return {};
+  }
+
+  /// As many as in the lines before with that separator, or the heading.
+  Result<void> check_columns(std::string_view line, Separator separator, std::uint64_t n_line) {
+    ColumnCount& all = n_columns_[static_cast<std::size_t>(separator)];
+    const ColumnCount own = count_columns(words_);
+    if (own.most < all.least || own.least > all.most)
+      return fail("{}: expected {} columns, as before, in line {}, got {}: {}{}", path_, all.least,
+                  n_line, own.most, quoted(line), hint(line));
+    all = {std::max(all.least, own.least), std::min(all.most, own.most)};
+    return {};
+  }
+
+  static const char* hint(std::string_view line) {
+    return has_decimal_comma(line) ? " (decimals need a point, not a comma)" : "";
+  }
+
   Result<void> add_point(std::string_view line, std::uint64_t n_line) {
     std::array<std::optional<double>, 3> number;
     for (std::size_t i = 0; i < 3; ++i)
@@ -188,7 +280,8 @@ class TextPointReader {
     const bool is_placed =
         number[0] && number[1] && std::isfinite(*number[0]) && std::isfinite(*number[1]);
     if (!is_placed || !number[2])
-      return fail("{}: expected x, y and height in line {}, got {}", path_, n_line, quoted(line));
+      return fail("{}: expected x, y and height in line {}, got {}{}", path_, n_line, quoted(line),
+                  hint(line));
     ++file_.counts.n_in_file;
     if (!std::isfinite(*number[2]) || (options_.nodata && *number[2] == *options_.nodata)) {
       ++file_.counts.n_missing;
@@ -203,6 +296,7 @@ class TextPointReader {
   const std::string& path_;
   const PointReadOptions& options_;
   Columns columns_{0, 1, 2};
+  std::array<ColumnCount, 3> n_columns_;  ///< By separator.
   std::vector<std::string_view> words_;
   int most_decimals_ = 0;
   PointFile file_;

@@ -6,6 +6,7 @@
 #include "lode/core/regular_grid.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
+#include "lode/core/vec.h"
 
 namespace lode::io {
 
@@ -14,6 +15,9 @@ struct SurfaceWriteOptions {
   Frame frame = Frame::unknown;  ///< Named in the header where the format has comments.
   std::string value_name{};      ///< What VTP calls the values; empty: "value", as PLY does.
   std::string node_name{};       ///< What GLB calls its node; empty: "isosurface".
+  /// Metres of a unit of x, y and z, > 0: by how much GLB's node, whose unit is the metre, is
+  /// larger than the positions in it. Other formats have no unit.
+  Vec3d metres{{1, 1, 1}};
 };
 
 /// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,

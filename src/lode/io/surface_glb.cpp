@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <initializer_list>
 #include <limits>
@@ -32,6 +33,9 @@ constexpr std::size_t kChunkHeadBytes = 8;
 constexpr std::size_t kFileHeadBytes = 12;
 /// Of the outer node, column by column: glTF's up is y, which our z becomes.
 constexpr std::array<double, 16> kTurn{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
+
+/// Where kTurn has what becomes of x, y and z.
+constexpr std::array<std::size_t, 3> kAxes{0, 6, 9};
 
 /// Collects the JSON of the arrays, in the order of their data.
 struct GlbArrays {
@@ -89,8 +93,10 @@ json describe_primitive(const Surface& surface, GlbArrays& arrays) {
 /// The JSON chunk, padded to whole words as the container demands; sets the size of the data.
 std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
                      std::uint64_t& n_bytes) {
+  std::array<double, 16> matrix = kTurn;
+  for (std::size_t i = 0; i < 3; ++i) matrix[kAxes[i]] *= options.metres[i];
   const json outer = {{"name", options.node_name.empty() ? "isosurface" : options.node_name},
-                      {"matrix", kTurn},
+                      {"matrix", matrix},
                       {"children", json::array({1})}};
   json node = json::object();
   if (has_origin(surface))
@@ -255,7 +261,7 @@ Result<void> read_primitive(const std::string& path, const json& document,
   return fill_cells(path, indices, surface.lines);
 }
 
-/// The node with the mesh, in the one that turns it.
+/// The node with the mesh, in the one that turns it and may enlarge it.
 Result<const json*> inner_node(const std::string& path, const json& document) {
   const json* nodes = member(document, "nodes");
   if (nodes == nullptr || !nodes->is_array() || nodes->size() != 2 || !nodes->back().is_object())
@@ -263,9 +269,12 @@ Result<const json*> inner_node(const std::string& path, const json& document) {
   const json* matrix = member(nodes->front(), "matrix");
   if (matrix == nullptr || !matrix->is_array() || matrix->size() != kTurn.size())
     return not_ours(path, "a node with a matrix");
-  for (std::size_t i = 0; i < kTurn.size(); ++i)
-    if (!(*matrix)[i].is_number() || (*matrix)[i].get<double>() != kTurn[i])
+  for (std::size_t i = 0; i < kTurn.size(); ++i) {
+    const bool is_axis = std::ranges::find(kAxes, i) != kAxes.end();
+    const double value = (*matrix)[i].is_number() ? (*matrix)[i].get<double>() : std::nan("");
+    if (is_axis ? !(value * kTurn[i] > 0) : value != kTurn[i])
       return not_ours(path, "a node that turns z into y");
+  }
   return &nodes->back();
 }
 

@@ -9,14 +9,14 @@
 
 namespace lode::io {
 
-/// Binary glTF 2.0: one node with the origin as its translation, one mesh of one primitive with
-/// POSITION, NORMAL and _ISOVALUE. Axes are written as they are, whatever glTF calls up. Fails
-/// past 4 GiB, which is the format's limit.
+/// Binary glTF 2.0: a node with the origin as its translation, one mesh of one primitive with
+/// POSITION, NORMAL and _ISOVALUE, in one that turns z up and y, and makes metres of the units of
+/// x, y and z. Fails past 4 GiB, which is the format's limit.
 [[nodiscard]] Result<void> write_glb(const std::string& path, const Surface& surface,
                                      const SurfaceWriteOptions& options, Progress& progress);
 
 /// Reads what write_glb() writes: at most one mesh of one primitive, no buffers outside the file,
-/// no transformation but a translation.
+/// no transformation but these two, of which the outer one is not applied.
 [[nodiscard]] Result<Surface> read_glb(const std::string& path);
 
 }  // namespace lode::io

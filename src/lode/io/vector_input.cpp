@@ -44,10 +44,34 @@ VectorInput::~VectorInput() {
 }
 
 Result<std::string> VectorInput::read(const Add& add) const {
-  if (dataset_ == nullptr)
-    return fail("{}: expected GeoJSON, a GeoPackage or a shapefile, got: {}", path_, reason());
+  LODE_CHECK(check_open());
   LODE_TRY(OGRLayerH layer, only_layer());
   LODE_TRY(std::string crs, crs_of(layer));
+  LODE_TRY(const bool has_features, add_features(layer, add));
+  if (!has_features) return fail("{}: expected {}, got no feature", path_, what_);
+  return crs;
+}
+
+Result<void> VectorInput::read_layers(const Add& add, const EndLayer& end_layer) const {
+  LODE_CHECK(check_open());
+  bool has_features = false;
+  for (int i = 0; i < gdal_->n_layers(dataset_); ++i) {
+    OGRLayerH layer = gdal_->layer(dataset_, i);
+    LODE_TRY(const std::string crs, crs_of(layer));
+    LODE_TRY(const bool has_own, add_features(layer, add));
+    LODE_CHECK(end_layer(crs));
+    has_features = has_features || has_own;
+  }
+  if (!has_features) return fail("{}: expected {}, got no feature", path_, what_);
+  return {};
+}
+
+Result<void> VectorInput::check_open() const {
+  if (dataset_ != nullptr) return {};
+  return fail("{}: expected GeoJSON, a GeoPackage or a shapefile, got: {}", path_, reason());
+}
+
+Result<bool> VectorInput::add_features(OGRLayerH layer, const Add& add) const {
   gdal_->reset_errors();
   bool has_features = false;
   while (OGRFeatureH feature = gdal_->next_feature(layer)) {
@@ -58,8 +82,7 @@ Result<std::string> VectorInput::read(const Add& add) const {
   }
   if (gdal_->last_error_kind() >= CE_Failure)
     return fail("{}: expected features to the end of the file, got: {}", path_, reason());
-  if (!has_features) return fail("{}: expected {}, got no feature", path_, what_);
-  return crs;
+  return has_features;
 }
 
 Error VectorInput::other_than_wanted(OGRGeometryH geometry, GIntBig number) const {

@@ -16,7 +16,7 @@ namespace lode::io {
 [[nodiscard]] bool is_vector_path(const std::string& path);
 
 /// A file of features, read through GDAL, whose messages are kept from stderr meanwhile: GeoJSON, a
-/// GeoPackage or a shapefile, of one layer.
+/// GeoPackage or a shapefile.
 class VectorInput {
  public:
   /// `what`: its features, in messages: "polygons".
@@ -27,16 +27,24 @@ class VectorInput {
 
   /// Takes the geometry of a feature, or one of its parts, with chords for arcs, and its number.
   using Add = std::function<Result<void>(OGRGeometryH, GIntBig)>;
-  /// Calls add() for all parts of all features. Returns the CRS as WKT; empty: not known. Fails,
-  /// naming the file and the feature.
+  /// Calls add() for all parts of all features of the only layer. Returns the CRS as WKT; empty:
+  /// not known. Fails, naming the file and the feature.
   [[nodiscard]] Result<std::string> read(const Add& add) const;
+
+  /// Takes the CRS of a layer, when all of its parts were added.
+  using EndLayer = std::function<Result<void>(const std::string&)>;
+  /// The same of all layers, one after the other.
+  [[nodiscard]] Result<void> read_layers(const Add& add, const EndLayer& end_layer) const;
 
   /// That something else is there than is wanted.
   [[nodiscard]] Error other_than_wanted(OGRGeometryH geometry, GIntBig number) const;
 
  private:
   [[nodiscard]] std::string reason() const;
+  [[nodiscard]] Result<void> check_open() const;
   [[nodiscard]] Result<OGRLayerH> only_layer() const;
+  /// Whether it has features.
+  [[nodiscard]] Result<bool> add_features(OGRLayerH layer, const Add& add) const;
   [[nodiscard]] Result<std::string> crs_of(OGRLayerH layer) const;
   [[nodiscard]] Result<void> add_feature(OGRFeatureH feature, const Add& add) const;
   [[nodiscard]] Result<void> add_parts(OGRGeometryH geometry, GIntBig number, const Add& add) const;
