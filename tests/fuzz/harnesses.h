@@ -12,6 +12,8 @@ using Input = std::span<const std::byte>;
 /// hang, take memory that they cannot justify, or break what it promises about what it accepts,
 /// which ends the program. What each makes of the bytes stands in its source.
 void run_lode_file(Input input);
+void run_tetra_file(Input input);
+void run_terrain_file(Input input);
 void run_directory(Input input);
 void run_index(Input input);
 void run_codec(Input input);
@@ -41,6 +43,8 @@ struct Harness {
 
 inline constexpr Harness kHarnesses[] = {
     {"lode_file", run_lode_file},
+    {"tetra_file", run_tetra_file},
+    {"terrain_file", run_terrain_file},
     {"directory", run_directory},
     {"index", run_index},
     {"codec", run_codec},

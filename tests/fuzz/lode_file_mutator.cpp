@@ -1,114 +1,20 @@
-// Changes .lode files where their checksums would stop a fuzzer: in the metadata, the directory or
-// a block, as they are once decompressed, and makes the rest right again.
-#include <algorithm>
+// libFuzzer's mutations of .lode files, checksums made right again.
 #include <cstring>
-#include <optional>
-#include <random>
-#include <vector>
 
-#include "lode/store/checksum.h"
-#include "lode/store/codec.h"
-#include "lode/store/directory.h"
-#include "lode/store/header.h"
+#include "tests/fuzz/lode_file_mutation.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
-
-namespace lode::store {
-namespace {
-
-using Bytes = std::vector<std::byte>;
-
-/// A valid file in parts.
-struct OpenedFile {
-  Directory directory;
-  std::vector<Bytes> blocks;  ///< As stored.
-};
-
-std::optional<OpenedFile> open_file(std::span<const std::byte> file) {
-  const auto header =
-      decode_header(file.first(std::min(file.size(), kHeaderBytes)), file.size(), "");
-  if (!header || header->directory_raw_size > (std::uint64_t{1} << 24)) return {};
-  Bytes raw(header->directory_raw_size);
-  if (!zstd_decompress(file.subspan(header->directory_offset), raw)) return {};
-  auto directory = decode_directory(
-      raw, {.path = "", .blocks_end = header->directory_offset, .memory_limit = 1 << 26});
-  if (!directory) return {};
-  OpenedFile opened{std::move(*directory), {}};
-  for (const BlockEntry& block : opened.directory.blocks) {
-    const auto stored = file.subspan(block.offset, block.stored_size);
-    opened.blocks.emplace_back(stored.begin(), stored.end());
-  }
-  return opened;
-}
-
-Bytes close_file(const OpenedFile& opened, std::span<const std::byte> directory) {
-  std::uint64_t end = kHeaderBytes;
-  for (const Bytes& block : opened.blocks) end += block.size();
-  const Bytes stored = zstd_compress(directory);
-  const auto header = encode_header({.features = kKnownFeatures,
-                                     .file_size = end + stored.size(),
-                                     .directory_offset = end,
-                                     .directory_stored_size = stored.size(),
-                                     .directory_raw_size = directory.size(),
-                                     .directory_checksum = checksum(stored)});
-  Bytes file(header.begin(), header.end());
-  for (const Bytes& block : opened.blocks) file.insert(file.end(), block.begin(), block.end());
-  file.insert(file.end(), stored.begin(), stored.end());
-  return file;
-}
-
-void mutate(Bytes& bytes) {
-  const std::size_t size = bytes.size();
-  bytes.resize(size + 64);
-  bytes.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(bytes.data()), size, bytes.size()));
-}
-
-/// What a block decodes to, with some of it changed but as long as before.
-void mutate_block(BlockEntry& entry, Bytes& stored) {
-  if (entry.raw_size > (std::uint64_t{1} << 22)) return;
-  Bytes raw(entry.raw_size);
-  if (!decode_block(entry.codec, entry.element_size, stored, raw)) return;
-  const std::size_t size = raw.size();
-  mutate(raw);
-  raw.resize(size);
-  const EncodedBlock encoded = encode_block({raw, entry.element_size});
-  stored = encoded.stored;
-  entry.codec = encoded.codec;
-  entry.stored_size = stored.size();
-  entry.checksum = checksum(stored);
-}
-
-Bytes mutate_file(OpenedFile opened, std::minstd_rand& random) {
-  switch (random() % 3) {
-    case 0: mutate(opened.directory.metadata); break;
-    case 1: {
-      Bytes directory = encode_directory(opened.directory);
-      mutate(directory);
-      return close_file(opened, directory);
-    }
-    default: {
-      if (opened.blocks.empty()) break;
-      const std::size_t i = random() % opened.blocks.size();
-      mutate_block(opened.directory.blocks[i], opened.blocks[i]);
-    }
-  }
-  return close_file(opened, encode_directory(opened.directory));
-}
-
-}  // namespace
-}  // namespace lode::store
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t max_size, unsigned seed) {
   std::minstd_rand random(seed);
   constexpr unsigned kPlainShare = 8;
   if (random() % kPlainShare != 0) {
-    if (auto opened = lode::store::open_file(std::as_bytes(std::span(data, size)))) {
-      const auto file = lode::store::mutate_file(std::move(*opened), random);
-      if (file.size() <= max_size) {
-        std::memcpy(data, file.data(), file.size());
-        return file.size();
-      }
+    const auto file = lode::fuzz::mutate_lode_file(std::as_bytes(std::span(data, size)), random,
+                                                   LLVMFuzzerMutate);
+    if (file && file->size() <= max_size) {
+      std::memcpy(data, file->data(), file->size());
+      return file->size();
     }
   }
   return LLVMFuzzerMutate(data, size, max_size);

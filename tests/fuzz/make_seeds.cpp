@@ -2,10 +2,13 @@
 // tests/fuzz/corpus.
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "lode/api/built_terrain.h"
+#include "lode/api/tetra_dataset.h"
 #include "lode/io/quantized_mesh.h"
 #include "lode/io/surface_file.h"
 #include "lode/models/diamond/stream_build.h"
@@ -16,6 +19,7 @@
 #include "lode/store/journal.h"
 #include "tests/io/zarr_fixtures.h"
 #include "tests/models/stored_fixtures.h"
+#include "tests/oracles/tetra_grids.h"
 
 namespace lode::fuzz {
 namespace {
@@ -286,6 +290,41 @@ void keep_tiles() {
       R"("errors":[{"achieved_error":2.5},{"achieved_error":1}]})");
 }
 
+void keep_tetra_files() {
+  const TetraMesh mesh = oracles::noise_mesh(4, oracles::Cut::in_five, 3);
+  for (const Placement placement : {Placement::half_edge, Placement::midpoint}) {
+    const io::test::TempDir dir;
+    const std::string path = dir.path("t.lode");
+    Progress progress;
+    const TetraBuildOptions options{.base_share = 0.1, .placement = placement, .threads = {1}};
+    if (!TetraDataset::build_file(mesh, path, options, progress)) std::abort();
+    keep("tetra_file", placement == Placement::midpoint ? "midpoint" : "half_edge", load(path));
+  }
+}
+
+/// Hills with a gap, and at the end of a row another.
+void keep_terrain_files() {
+  HeightGrid grid = make_height_grid<std::int16_t>(12, 9);
+  grid.is_valid.assign(static_cast<std::size_t>(grid.n_samples()), 1);
+  auto& samples = std::get<HeightGrid::Samples<std::int16_t>>(grid.heights);
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x < grid.n_columns; ++x)
+      samples[static_cast<std::size_t>(y * grid.stride + x)] =
+          static_cast<std::int16_t>(100 + (x * x * 7 + y * 13 + x * y * 5) % 60);
+  grid.is_valid[4 * 12 + 5] = grid.is_valid[2 * 12 + 11] = 0;
+  for (const TerrainModel model : kBuiltTerrainModels) {
+    const io::test::TempDir dir;
+    const std::string path = dir.path("d.lode");
+    Progress progress;
+    TerrainBuildOptions options;
+    options.model = model;
+    options.levels = {30, 10, 2};
+    const auto built = BuiltTerrain::build(grid, options, progress);
+    if (!built || !built->save(path, progress)) std::abort();
+    keep("terrain_file", name_of(model), load(path));
+  }
+}
+
 }  // namespace
 }  // namespace lode::fuzz
 
@@ -296,6 +335,8 @@ int main(int argc, char** argv) {
   }
   lode::fuzz::corpus = argv[1];
   lode::fuzz::keep_lode_files();
+  lode::fuzz::keep_tetra_files();
+  lode::fuzz::keep_terrain_files();
   lode::fuzz::keep_indexes();
   lode::fuzz::keep_codecs();
   lode::fuzz::keep_journals();
