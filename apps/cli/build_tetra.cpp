@@ -240,6 +240,8 @@ Result<Outcome> tetra_info(const std::string& path, const ReadingArguments& read
   Table table;
   table.add({"file", path});
   add_info(input.dataset.describe(), table, outcome.json);
+  if (const double moved = input.dataset.describe().boundary_deviation; moved > 0)
+    table.add({"boundary moved", format_number(moved) + " at most"});
   outcome.json["file_bytes"] = input.dataset.reads().file_size;
   table.add({"file size", format_bytes(input.dataset.reads().file_size)});
   outcome.text = table.to_string();

@@ -62,6 +62,11 @@ void warn_of_answer(Session& session, const ProbeAnswer& answer) {
   if (!answer.points.empty() && answer.report.n_outside > 0)
     session.warn(
         fmt::format("{} of {} points are outside", answer.report.n_outside, answer.points.size()));
+  if (answer.report.n_near_boundary > 0)
+    session.warn(fmt::format(
+        "{} points are outside of the cut, but no farther than its boundary may be off: "
+        "if the field is there, it is from low to high",
+        answer.report.n_near_boundary));
   if (!answer.integral && answer.points.empty() && answer.line.empty())
     session.warn("the line meets no cell");
 }
@@ -139,6 +144,7 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
   outcome.json.update(probe_json(answer));
   outcome.json["cut_cells"] = answer.report.n_cut_cells;
   outcome.json["outside"] = answer.report.n_outside;
+  outcome.json["near_boundary"] = answer.report.n_near_boundary;
   outcome.json["seconds"] = {{"total", answer.report.seconds}, {"open", input.seconds}};
   outcome.json["warnings"] = session.warnings();
   const std::string rows = probe_table(answer);
@@ -158,7 +164,11 @@ Command add_probe_command(CLI::App& program) {
       "field that was read; at full resolution they are those of rounding. `error` is what the\n"
       "cell states: the largest difference at the mesh's own vertices, or, of files that were "
       "built\n"
-      "with --everywhere, at any point, and bounds are much closer.\n\n"
+      "with --everywhere, at any point, and bounds are much closer. `near boundary`: outside of "
+      "the\n"
+      "coarser mesh, but no farther than its boundary may be off (info says how far), so the field "
+      "may\n"
+      "be there, and then between the bounds.\n\n"
       "Examples:\n  lode probe wing.lode --point 1,0.5,2 --point 3,0,0\n"
       "  lode probe wing.lode --points sensors.csv -o values.csv\n"
       "  lode probe wing.lode --line 0,0,0:10,0,0 --max-error 0.01\n"
@@ -169,6 +179,7 @@ Command add_probe_command(CLI::App& program) {
       ->required();
   add_probe_options(*app, *arguments);
   add_reading_options(*app, arguments->reading);
+  app->get_option("--with")->group("");  // Refused.
   return {app, [arguments] { return check_probe_arguments(*arguments); },
           [arguments](Session& session) { return run_probe(*arguments, session); }};
 }

@@ -61,6 +61,7 @@ std::string tetra_comment(const char* kind, const TetraInput& input, const Tetra
   std::string text =
       fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
                   made.max_error, made.achieved_error, name_of(input.field().error_place));
+  if (const auto time = input.time()) text += fmt::format("; time {}", *time);
   for (const Attribute& more : made.attributes)
     text += fmt::format("; {}: error {} {}", more.name, more.error, name_of(place_of(input, more)));
   return text;
@@ -88,6 +89,7 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
   json["max_error_is_default"] = made.is_default;
   json["achieved_error"] = made.achieved_error;
   json["error_kind"] = name_of(field.error_place);
+  json["boundary_deviation"] = info.boundary_deviation;
   json.update(counts);
   json["reference_cells"] = info.n_cells;
   json["reference_vertices"] = info.n_vertices;
@@ -130,6 +132,8 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
        format_number(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
   table.add({"achieved error", format_number(made.achieved_error) + ' ' + place});
+  if (info.boundary_deviation > 0)
+    table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
   if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
   for (const auto& [name, value] : counts.items())
     table.add({name_of_count(name), value.is_number_float()
@@ -185,7 +189,8 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   ExtractionArguments extraction = job.extraction;
   // Only isosurfaces have normals.
   if (!job.query.is_wanted()) extraction.normals = "on";
-  LODE_TRY(MeshOptions options, to_mesh_options(job.query, extraction,
+  LODE_TRY(const QueryArguments query, without_share(job.query));
+  LODE_TRY(MeshOptions options, to_mesh_options(query, extraction,
                                                 job.query.is_mesh       ? "--mesh"
                                                 : job.query.is_boundary ? "--boundary"
                                                                         : kMeshOfCells));
@@ -212,11 +217,23 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   return made;
 }
 
-void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
-  if (is_empty)
-    session.warn(job.query.threshold.empty() ? "the answer is empty: the mesh has no cell"
-                                             : "the answer is empty: no cell of the cut lies in "
-                                               "the threshold");
+void warn_of_empty(Session& session, const MeshJob& job, bool is_empty) {
+  if (!is_empty) return;
+  const bool has_threshold = !job.query.threshold.empty();
+  if (!job.query.patches.empty())
+    session.warn(has_threshold
+                     ? "the answer is empty: no face of the patches is one of a cell that "
+                       "lies in the threshold"
+                     : "the answer is empty: the cut has no face of the patches");
+  else
+    session.warn(has_threshold ? "the answer is empty: no cell of the cut lies in the threshold"
+                               : "the answer is empty: the mesh has no cell");
+}
+
+/// Of tolerances that are shares of the range of values.
+void set_shares(const MeshJob& job, const TetraFieldInfo& field, Query& query) {
+  set_share(job.extraction.max_error, field.range_min, field.range_max, query.max_error);
+  set_share(job.query.max_error_outside, field.range_min, field.range_max, query.max_error_outside);
 }
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
@@ -224,7 +241,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
            open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
-  set_share(job.extraction.max_error, field.range_min, field.range_max, options.query.max_error);
+  set_shares(job, field, options.query);
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
@@ -232,7 +249,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
            apply_warp(job.query.warp, job.reading, session.threads(), mesh));
   warn_of_inverted(session, n_inverted);
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
-  warn_of_threshold(session, job, mesh.is_empty());
+  warn_of_empty(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(mesh.attributes);
   const Stopwatch watch;
@@ -259,8 +276,7 @@ Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
     options.regions = wanted.sections.regions;
     options.threads = session.threads();
   }
-  const TetraFieldInfo& field = input.field();
-  set_share(job.extraction.max_error, field.range_min, field.range_max, options.query.max_error);
+  set_shares(job, input.field(), options.query);
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_CHECK(input.dataset.extract_mesh(options, mesh, session.progress()));
@@ -271,9 +287,9 @@ Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& 
                                         TetraJob wanted, Surface& surface, Progress& progress) {
   wanted.mesh.fields = wanted.sections.fields = wanted.surface.fields = input.fields;
   const TetraFieldInfo& field = input.field();
-  for (std::optional<double>* const tolerance :
-       {&wanted.mesh.query.max_error, &wanted.sections.max_error, &wanted.surface.query.max_error})
-    set_share(job.extraction.max_error, field.range_min, field.range_max, *tolerance);
+  set_shares(job, field, wanted.mesh.query);
+  set_shares(job, field, wanted.surface.query);
+  set_share(job.extraction.max_error, field.range_min, field.range_max, wanted.sections.max_error);
   if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
   if (!job.query.sections.empty())
     return input.dataset.extract_section(wanted.sections, surface, progress);
@@ -283,7 +299,9 @@ Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& 
 void warn_of_surface(Session& session, const MeshJob& job, const Surface& surface,
                      const TetraSurfaceReport& report) {
   const bool is_section = !job.query.sections.empty();
-  if (job.query.is_boundary) warn_of_threshold(session, job, surface.is_empty());
+  if (job.query.is_boundary) warn_of_empty(session, job, surface.is_empty());
+  if (job.query.warp.is_wanted() && !job.query.is_wanted() && job.extraction.normals == "on")
+    session.warn("--warp: normals are left out, as those of isosurfaces are of the mesh before it");
   for (const double isovalue : report.unmet)
     session.warn(is_section ? fmt::format("no line at isovalue {}: it meets nothing on the section",
                                           isovalue)

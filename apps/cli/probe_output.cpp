@@ -9,6 +9,7 @@ namespace lode::cli {
 namespace {
 
 const char* status_of(const ProbedPoint& point) {
+  if (point.is_near_boundary) return "near boundary";
   if (!point.is_inside) return "outside";
   return point.is_exact ? "exact" : "bounded";
 }
@@ -36,8 +37,11 @@ std::vector<std::string> row_of(const ProbedPoint& point, bool has_region, const
   std::vector<std::string> row;
   for (const double x : point.point.v) row.push_back(format(x));
   row.emplace_back(status_of(point));
-  for (const double x : {point.value.value, point.value.low, point.value.high, point.error})
-    row.push_back(point.is_inside ? format(x) : "");
+  const bool has_bounds = point.is_inside || point.is_near_boundary;
+  row.push_back(point.is_inside ? format(point.value.value) : "");
+  for (const double x : {point.value.low, point.value.high})
+    row.push_back(has_bounds ? format(x) : "");
+  row.push_back(point.is_inside ? format(point.error) : "");
   if (has_region) row.push_back(point.is_inside ? fmt::format("{}", point.region) : "");
   return row;
 }
@@ -63,6 +67,10 @@ Json point_json(const ProbedPoint& point, bool has_region) {
   Json json;
   json["point"] = point.point.v;
   json["status"] = status_of(point);
+  if (point.is_near_boundary) {
+    json["low"] = point.value.low;
+    json["high"] = point.value.high;
+  }
   if (!point.is_inside) return json;
   json.update(bounded_json(point.value));
   json["error"] = point.error;

@@ -1,6 +1,8 @@
 #include "render_tetra.h"
 
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "outputs.h"
 #include "parse.h"
@@ -40,7 +42,8 @@ Result<SectionPlane> parse_plane(const std::string& text) {
 
 /// What of the mesh is wanted, and what is shown.
 Result<Query> to_query(const TetraPictureJob& job, const MeshPictureOptions& picture) {
-  LODE_TRY(MeshOptions typed, to_mesh_options(job.picture.query, job.extraction, "mesh of cells"));
+  LODE_TRY(const QueryArguments arguments, without_share(job.picture.query));
+  LODE_TRY(MeshOptions typed, to_mesh_options(arguments, job.extraction, "mesh of cells"));
   const Query shown = query_of(picture);
   Query query = std::move(typed.query);
   query.isovalues = shown.isovalues;
@@ -93,6 +96,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["field"] = field.name;
   json["max_error"] = made.mesh.max_error;
   json["achieved_error"] = made.mesh.achieved_error;
+  json["largest_error"] = made.mesh.largest_error;
   json["error_kind"] = name_of(field.error_place);
   json["cells"] = made.mesh.n_cells;
   json["reference_cells"] = info.n_cells;
@@ -110,6 +114,9 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   table.add({"max error", format_number(made.mesh.max_error)});
   table.add({"achieved error",
              format_number(made.mesh.achieved_error) + ' ' + name_of(field.error_place)});
+  if (!job.picture.query.max_error_outside.empty())
+    table.add({"error anywhere",
+               format_number(made.mesh.largest_error) + ' ' + name_of(field.error_place)});
   table.add({"cells",
              fmt::format("{} of {}", format_count(made.mesh.n_cells), format_count(info.n_cells))});
   if (made.picture.n_triangles > 0)
@@ -124,6 +131,16 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   outcome.text = table.to_string();
   json["warnings"] = session.warnings();
   return outcome;
+}
+
+/// A misspelt preset is told as such; what the file holds is looked at before the work starts.
+Result<void> check_opacity_file(const std::string& path) {
+  const auto file = read_transfer_function(path);
+  std::error_code ignored;
+  if (file) return {};
+  if (std::filesystem::exists(path, ignored)) return fail("--opacity: {}", file.error().message);
+  return fail("--opacity: expected a preset or a file of knots; {}; {}", file.error().message,
+              transfer_preset(path, {}).error().message);
 }
 
 Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
@@ -141,6 +158,8 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   LODE_TRY(Query query, to_query(job, options));
   set_share(job.extraction.max_error, input.field().range_min, input.field().range_max,
             query.max_error);
+  set_share(job.picture.query.max_error_outside, input.field().range_min, input.field().range_max,
+            query.max_error_outside);
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }
@@ -204,7 +223,7 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   add("--half-space", arguments.query.half_spaces, "X,Y,Z:NX,NY,NZ",
       "Accurate on the side of a plane that its normal points to; may be repeated");
   add("--max-error-outside", arguments.query.max_error_outside, "E",
-      "Tolerance outside of these (default: any)");
+      "Tolerance outside of these, likewise in field units or with % (default: any)");
 }
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
@@ -225,10 +244,7 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   std::vector<std::string> inputs{job.input};
   if (!job.camera.empty()) inputs.push_back(job.camera);
   if (!job.picture.opacity.empty() && !is_transfer_preset(job.picture.opacity)) {
-    // A misspelt preset is told as such; what the file holds is looked at before the work starts.
-    if (const auto file = read_transfer_function(job.picture.opacity); !file)
-      return fail("--opacity: expected a preset or a file of knots; {}; {}", file.error().message,
-                  transfer_preset(job.picture.opacity, {}).error().message);
+    LODE_CHECK(check_opacity_file(job.picture.opacity));
     inputs.push_back(job.picture.opacity);
   }
   return check_paths_differ(inputs, outputs_of(job));

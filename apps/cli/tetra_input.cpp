@@ -1,11 +1,13 @@
 #include "tetra_input.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "parse.h"
 #include "stopwatch.h"
+#include "tolerance.h"
 #include "vtk_import.h"
 
 namespace lode::cli {
@@ -98,7 +100,8 @@ Result<std::size_t> step_at(const TetraInfo& info, const NamedField& field,
   }
   if (field.steps.size() > kMostNamed) times += ", ...";
   return fail("field {}: expected a step {}, as all fields of an answer are of one time, got {}",
-              field.name, text_of(time), field.time ? "one " + text_of(field.time) : times);
+              field.name, text_of(time),
+              field.time && field.time != time ? "one " + text_of(field.time) : times);
 }
 
 /// The time of the first field, by its name or as the step of a number.
@@ -124,8 +127,8 @@ Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
     LODE_TRY(NamedField field, to_named_field(info, name));
     fields.push_back(std::move(field));
   }
-  const auto first = std::ranges::find_if(
-      fields, [&](const NamedField& field) { return has_times(info, field); });
+  const auto first =
+      std::ranges::find_if(fields, [&](const NamedField& field) { return has_times(info, field); });
   if (first == fields.end() && !step.empty())
     return fail("--time: expected none, as the field {} has no steps, got {}", fields[0].name,
                 step);
@@ -262,19 +265,41 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   return {};
 }
 
+Result<QueryArguments> without_share(const QueryArguments& arguments) {
+  QueryArguments made = arguments;
+  if (!made.max_error_outside.ends_with('%')) return made;
+  LODE_CHECK(parse_tolerance("--max-error-outside", made.max_error_outside));
+  made.max_error_outside = "0";
+  return made;
+}
+
+namespace {
+
+/// What else there is to say where a field is not found.
+std::string why_missing(const CellMesh& cells, const std::string& field) {
+  for (const std::string& skipped : cells.skipped_arrays)
+    if (!field.empty() && (skipped == field || skipped.starts_with(field + " ")))
+      return fmt::format("; {} is left out, as it has no number at each point or cell", skipped);
+  if (cells.path.ends_with(".mesh"))
+    return "; MEDIT's .mesh holds no fields but references, and .sol files are not read";
+  return {};
+}
+
+}  // namespace
+
 Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
                                           Session& session) {
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cells(path, reading, session));
-  LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
-  if (reading.field.empty() && made.mesh.fields.size() != 1) {
-    std::string names;
-    for (const MeshField& field : made.mesh.fields)
-      names += (names.empty() ? "" : ", ") + field.name;
-    return fail("{}: expected --field to name one of its fields ({}), got none", path,
-                names.empty() ? "there are none" : names);
-  }
-  return made;
+  const std::string why = why_missing(cells, reading.field);
+  std::string names;
+  for (const auto* fields : {&cells.point_fields, &cells.cell_fields})
+    for (const MeshField& field : *fields) names += (names.empty() ? "" : ", ") + field.name;
+  auto made = to_tetrahedra(std::move(cells), options);
+  if (!made) return fail("{}{}", made.error().message, why);
+  if (!reading.field.empty() || made->mesh.fields.size() == 1) return made;
+  return fail("{}: expected --field to name one of its fields ({}), got none{}", path,
+              names.empty() ? "there are none" : names, why);
 }
 
 Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArguments& reading,
@@ -356,7 +381,7 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
     table.add({"not taken for regions", field});
   json["skipped_arrays"] = report.skipped_arrays;
   if (!report.skipped_arrays.empty())
-    table.add({"arrays of texts or bits left out",
+    table.add({"arrays left out (texts, bits, values by element corner)",
                fmt::format("{}", fmt::join(report.skipped_arrays, ", "))});
   add_averaged(report, table, json);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "input.h"
+#include "query_options.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -42,8 +43,8 @@ struct TetraInput {
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
 
 /// Places of fields of a .lode file by their names, `NAME at TIME` among them; an empty name is the
-/// first. All are of one time: that of the first with steps, of which `step` says the number, from 0
-/// in order of time, a field without a time before all (none: 0). Fields without any time are as
+/// first. All are of one time: that of the first with steps, of which `step` says the number, from
+/// 0 in order of time, a field without a time before all (none: 0). Fields without any time are as
 /// they are. Fails, naming it, where a field lacks that time.
 [[nodiscard]] Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
                                                             const std::vector<std::string>& names,
@@ -53,6 +54,10 @@ struct TetraInput {
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
                                                         const ReadingArguments& reading,
                                                         Session& session);
+
+/// With a number for --max-error-outside where that is a share of the range of values: set_share()
+/// has the right one when the field is there.
+[[nodiscard]] Result<QueryArguments> without_share(const QueryArguments& arguments);
 
 /// Opens a .lode file, or builds the hierarchy of a foreign file's cells in memory and says so on
 /// stderr.

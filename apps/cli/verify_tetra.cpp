@@ -31,14 +31,14 @@ Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info,
         "none",
         job.input);
   Original original;
-@@  const bool has_steps =
-      needs_vtk_import(job.original) ||
-      std::ranges::any_of(info.fields, [&](const TetraFieldInfo& field) {
-        return field.time && std::ranges::find(options.fields, field.name) != options.fields.end();
-      });
-  if (!job.reading.time.empty() && !has_steps)
+  const bool has_steps = std::ranges::any_of(info.fields, [&](const TetraFieldInfo& field) {
+    return field.time && std::ranges::find(options.fields, field.name) != options.fields.end();
+  });
+  if (!job.reading.time.empty() && !has_steps && !needs_vtk_import(job.original))
     return fail("--time: expected none, as neither {} nor what is compared of {} has steps, got {}",
                 job.original, job.input, job.reading.time);
+  LODE_TRY(original.fields,
+           named_fields(info, options.fields, has_steps ? job.reading.time : std::string()));
   // Of files that have steps that of the file, too.
   LODE_TRY(CellMesh cells, read_cells(job.original, job.reading, session));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));

@@ -1,4 +1,5 @@
 // `lode probe`: values at points and along lines, and integrals.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -174,6 +175,51 @@ TEST_F(cli_probe, reads_points_with_headings_and_refuses_what_are_none) {
     EXPECT_NE(run.err.find("points.csv"), std::string::npos) << run.err;
   }
   EXPECT_EQ(run_lode({"probe", lode_, "--points", scratch_ / "none.csv"}).exit_code, 1);
+}
+
+TEST_F(cli_probe, tells_how_far_the_boundary_is_off) {
+  // A floor that is no plane.
+  const TetraMesh noise = oracles::noise_mesh(13, oracles::Cut::in_five, 3);
+  SimplexMesh mesh;
+  mesh.positions = noise.positions;
+  for (Vec3d& p : mesh.positions) p[2] += 0.3 * p[0] * p[0];
+  mesh.values = noise.fields[0].values;
+  mesh.tetrahedra = noise.tetrahedra;
+  mesh.errors.assign(mesh.tetrahedra.size(), 0);
+  Progress progress;
+  const std::string input = scratch_ / "curved.vtu";
+  const std::string model = scratch_ / "curved.lode";
+  ASSERT_TRUE(write_vtu(input, mesh, {.value_name = "noise"}, progress));
+  ASSERT_EQ(run_lode({"build", input, model, "--field", "noise", "--boundary-tolerance", "0.05"})
+                .exit_code,
+            0);
+  EXPECT_NE(run_lode({"info", model}).out.find("boundary moved"), std::string::npos);
+  const std::string output = scratch_ / "out.vtu";
+  const Finished text = run_lode({"extract", model, output, "--mesh"});
+  EXPECT_NE(text.out.find("off by up to"), std::string::npos);
+  const Finished json = run_lode({"extract", model, output, "--mesh", "--json"});
+  const double deviation = json.json().at("boundary_deviation").get<double>();
+  EXPECT_GT(deviation, 0.001);
+  // Points just above the floor, which the cut has not got everywhere.
+  std::vector<std::string> words{"probe", model, "--max-error", "10", "--json", "--quiet"};
+  for (int i = 0; i < 200; ++i) {
+    const double x = 0.005 * i;
+    words.emplace_back("--point");
+    words.push_back(fmt::format("{},0.5,{}", x, 0.3 * x * x + 0.0005));
+  }
+  const Finished run = run_lode(words);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json answer = run.json();
+  int n_near = 0;
+  for (const nlohmann::json& point : answer.at("points")) {
+    if (point.at("status") != "near boundary") continue;
+    ++n_near;
+    EXPECT_FALSE(point.contains("value"));
+    EXPECT_LE(point.at("low"), point.at("high"));
+  }
+  EXPECT_EQ(answer.at("near_boundary"), n_near);
+  EXPECT_GT(n_near, 0);
+  EXPECT_EQ(run_lode({"probe", "--help"}).out.find("--with "), std::string::npos);
 }
 
 TEST_F(cli_probe, refuses_what_has_no_answer) {

@@ -1,4 +1,5 @@
 // Several fields of one mesh of cells, and time steps, through the program.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -231,6 +232,119 @@ TEST_F(cli_tetra_fields, are_attached_as_steps) {
   EXPECT_EQ(against(latest_, "2"), 0);
   EXPECT_EQ(against(later_, "2"), 1);
   refused({"probe", all, "--point", "0,0,0", "--field", "noise", "--time", "3"}, "--time");
+}
+
+TEST_F(cli_tetra_fields, of_an_answer_are_of_one_time) {
+  const std::string one = scratch_ / "one.lode";
+  const std::string two = scratch_ / "two.lode";
+  const std::string all = scratch_ / "all.lode";
+  // Not in order of time.
+  done({"attach-field", model_, latest_, one, "--field", "noise", "--at", "1.5"});
+  done({"attach-field", one, later_, two, "--field", "noise", "--at", "0.5"});
+  done({"attach-field", two, latest_, all, "--field", "square", "--at", "1.5"});
+  const auto probed = [&](const std::vector<std::string>& field) {
+    std::vector<std::string> words{"probe", all, "--point", "0.3,0.6,0.55", "--field"};
+    words.insert(words.end(), field.begin(), field.end());
+    return done(words);
+  };
+  const auto value_of = [](const nlohmann::json& json) {
+    return json.at("points")[0].at("value").get<double>();
+  };
+  const double first = value_of(probed({"noise"}));
+  EXPECT_TRUE(probed({"noise", "--time", "0"}).at("time").is_null());
+  EXPECT_EQ(probed({"noise", "--time", "1"}).at("time"), 0.5);
+  EXPECT_NEAR(value_of(probed({"noise", "--time", "1"})), 2 * first, 1e-12);
+  EXPECT_NEAR(value_of(probed({"noise", "--time", "2"})), 3 * first, 1e-12);
+  EXPECT_NEAR(value_of(probed({"noise at 0.5"})), 2 * first, 1e-12);
+  EXPECT_EQ(value_of(probed({"square", "--time", "1"})), value_of(probed({"square at 1.5"})));
+  // A field without times goes with all.
+  const nlohmann::json made =
+      done({"extract", all, out_, "--mesh", "--max-error", "0", "--field", "noise", "--with",
+            "square", "--with", "shift:x", "--time", "2"});
+  EXPECT_EQ(made.at("time"), 1.5);
+  const auto cells = read_cell_mesh(out_, {});
+  ASSERT_TRUE(cells);
+  ASSERT_EQ(cells->point_fields[1].name, "square");
+  // 3 v and 3 v^2.
+  const auto& noise = cells->point_fields[0].values;
+  for (std::size_t v = 0; v < noise.size(); ++v)
+    EXPECT_NEAR(cells->point_fields[1].values[v], noise[v] * noise[v] / 3, 1e-5);
+  const std::string missing = "field square: expected a step at 0.5";
+  refused({"extract", all, out_, "--mesh", "--field", "noise", "--with", "square", "--time", "1"},
+          missing);
+  refused({"extract", all, out_, "--mesh", "--field", "noise at 0.5", "--with", "square"}, missing);
+  refused({"extract", all, out_, "--mesh", "--field", "noise at 0.7"}, "without a time, at 0.5");
+  refused({"extract", all, out_, "--mesh", "--field", "noise at 0.5", "--time", "1"}, "--time");
+}
+
+TEST_F(cli_tetra_fields, that_are_left_out_are_named_with_the_reason) {
+  const std::string mesh = scratch_ / "corners.msh";
+  std::ofstream(mesh) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+                         "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+                         "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"
+                         "$NodeData\n1\n\"heat\"\n1\n0\n3\n0\n1\n4\n"
+                         "1 1\n2 2\n3 3\n4 4\n$EndNodeData\n"
+                         "$ElementNodeData\n1\n\"stress\"\n1\n0\n3\n0\n1\n1\n"
+                         "1 4 1 2 3 4\n$EndElementNodeData\n";
+  EXPECT_EQ(done({"info", mesh}).at("reading").at("skipped_arrays"),
+            nlohmann::json({"stress ($ElementNodeData)"}));
+  EXPECT_NE(run_lode({"info", mesh}).out.find("stress ($ElementNodeData)"), std::string::npos);
+  refused({"build", mesh, scratch_ / "x.lode", "--field", "stress"},
+          "stress ($ElementNodeData) is left out");
+  const std::string medit = scratch_ / "one.mesh";
+  std::ofstream(medit) << "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n"
+                          "0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+                          "Tetrahedra\n1\n1 2 3 4 7\nEnd\n";
+  for (const std::vector<std::string>& field : {std::vector<std::string>{}, {"--field", "heat"}}) {
+    std::vector<std::string> words{"build", medit, scratch_ / "x.lode"};
+    words.insert(words.end(), field.begin(), field.end());
+    refused(words, "(RegionId)");
+    refused(words, ".sol files are not read");
+  }
+}
+
+TEST_F(cli_tetra_fields, of_warped_isosurfaces_have_no_normals_and_say_so) {
+  const std::string model = scratch_ / "vector.lode";
+  done({"build", mesh_, model, "--field", "noise", "--with", "shift:xyz"});
+  const auto warnings = [&](const char* normals) {
+    return done({"extract", model, scratch_ / "s.ply", "--isovalue", "0.1", "--warp", "shift",
+                 "--max-error", "0", "--normals", normals})
+        .at("warnings")
+        .dump();
+  };
+  EXPECT_NE(warnings("on").find("normals are left out"), std::string::npos);
+  EXPECT_EQ(warnings("off").find("normals are left out"), std::string::npos);
+}
+
+TEST_F(cli_tetra_fields, have_a_tolerance_outside_as_a_share_of_their_range) {
+  const nlohmann::json info = done({"info", model_});
+  const double range = info.at("fields")[0].at("range")[1].get<double>() -
+                       info.at("fields")[0].at("range")[0].get<double>();
+  const auto extracted = [&](const std::string& outside) {
+    return done({"extract", model_, out_, "--mesh", "--box", "0,0.2,0,0.2,0,0.2", "--max-error",
+                 "0.5%", "--max-error-outside", outside});
+  };
+  const nlohmann::json share = extracted("10%");
+  EXPECT_EQ(share.at("cells"), extracted(fmt::format("{}", range * 0.1)).at("cells"));
+  EXPECT_LE(share.at("achieved_error"), share.at("max_error"));
+  EXPECT_LE(share.at("largest_error").get<double>(), range * 0.1);
+  EXPECT_GT(share.at("largest_error"), share.at("max_error"));
+  const nlohmann::json picture =
+      done({"render", model_, scratch_ / "p.png", "--boundary", "--size", "32x32", "--box",
+            "0,0.2,0,0.2,0,0.2", "--max-error", "0.5%", "--max-error-outside", "10%"});
+  EXPECT_EQ(picture.at("cells"), share.at("cells"));
+  refused({"extract", model_, out_, "--mesh", "--box", "0,1,0,1,0,1", "--max-error-outside", "-1%"},
+          "--max-error-outside");
+}
+
+TEST_F(cli_tetra_fields, are_not_drawn_by_a_bad_file_of_knots_which_alone_is_told) {
+  const std::string knots = scratch_ / "knots.txt";
+  write_bytes(knots, "0 0 0\n");
+  const Finished run =
+      run_lode({"render", model_, scratch_ / "p.png", "--opacity", knots, "--field", "noise"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("knots.txt"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("viridis-smoke"), std::string::npos) << run.err;
 }
 
 TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {

@@ -122,6 +122,18 @@ TEST_F(cli_patches, of_a_threshold_are_those_of_its_cells) {
       EXPECT_EQ(read->mesh.positions[v][2], face.patch == 0 ? 0 : 1);
 }
 
+TEST_F(cli_patches, without_faces_in_a_threshold_are_told_apart_from_thresholds_without_cells) {
+  const auto warnings = [&](const Words& more) {
+    Words words{"extract", input_, scratch_ / "out.vtp", "--boundary", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return report(words).at("warnings").dump();
+  };
+  EXPECT_NE(warnings({"--patch", "inlet", "--threshold", "100:101"}).find("no face of the patches"),
+            std::string::npos);
+  EXPECT_NE(warnings({"--threshold", "100:101"}).find("no cell of the cut lies in the threshold"),
+            std::string::npos);
+}
+
 TEST_F(cli_patches, that_are_not_there_are_refused) {
   const std::string output = scratch_ / "out.vtp";
   expect_refusal(run_lode({"extract", input_, output, "--boundary", "--patch", "wall", "--quiet"}),

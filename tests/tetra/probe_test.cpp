@@ -13,11 +13,17 @@
 #include "lode/api/tetra_dataset.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/probe_checks.h"
 
 namespace lode {
 namespace {
 
 using oracles::Random;
+using test::built;
+using test::expect_holds;
+using test::integral_of;
+using test::probed;
+using test::set_field;
 
 /// Noise in a cube with a cavity, in two regions.
 TetraMesh noise_with_cavity(int n) {
@@ -33,18 +39,6 @@ TetraMesh noise_with_cavity(int n) {
   mesh.region_ids = {3, 8};
   for (const auto& t : mesh.tetrahedra) mesh.regions.push_back(centre_of(t)[0] < 0.4 ? 0 : 1);
   return mesh;
-}
-
-void set_field(TetraMesh& mesh, const std::function<double(const Vec3d&)>& field) {
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    mesh.fields[0].values[v] = field(mesh.positions[v]);
-}
-
-TetraDataset built(const TetraMesh& mesh, const TetraBuildOptions& options = {}) {
-  Progress progress;
-  auto dataset = TetraDataset::build(mesh, options, progress);
-  EXPECT_TRUE(dataset) << dataset.error().message;
-  return std::move(*dataset);
 }
 
 /// What a look at all cells says of a point.
@@ -92,32 +86,6 @@ std::vector<Vec3d> points_of(const TetraMesh& mesh, std::uint64_t seed, int n) {
     }
   }
   return points;
-}
-
-std::vector<ProbedPoint> probed(const TetraDataset& dataset, const std::vector<Vec3d>& points,
-                                double max_error, int threads = 2) {
-  Progress progress;
-  std::vector<ProbedPoint> found;
-  const auto report =
-      dataset.probe(points, {.max_error = max_error, .threads = {threads}}, found, progress);
-  EXPECT_TRUE(report) << report.error().message;
-  EXPECT_EQ(found.size(), points.size());
-  EXPECT_LE(report->achieved_error, max_error);
-  return found;
-}
-
-IntegralReport integral_of(const TetraDataset& dataset, const IntegralOptions& options) {
-  Progress progress;
-  auto report = dataset.integrate(options, progress);
-  EXPECT_TRUE(report) << report.error().message;
-  return *report;
-}
-
-void expect_holds(const BoundedNumber& number, double truth, double rounding, const char* what) {
-  EXPECT_LE(number.low, number.value) << what;
-  EXPECT_LE(number.value, number.high) << what;
-  EXPECT_LE(number.low, truth + rounding) << what;
-  EXPECT_GE(number.high, truth - rounding) << what;
 }
 
 TEST(tetra_probe, gives_the_reference_values_at_no_tolerance) {

@@ -1,10 +1,13 @@
 // Queries of TetraDataset: what a camera shows, and what is ready in time.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <set>
+#include <string>
 
 #include "lode/api/tetra_dataset.h"
 #include "tests/oracles/tetra_grids.h"
@@ -88,6 +91,26 @@ TEST_F(tetra_queries, what_is_out_of_sight_has_its_own_tolerance) {
   EXPECT_GT(some.n_cells, any.n_cells);
 }
 
+TEST_F(tetra_queries, what_is_out_of_focus_has_its_own_tolerance) {
+  TetraMeshOptions options;
+  options.query.boxes = {{{{0.1, 0.1, 0.1}}, {{0.3, 0.3, 0.3}}}};
+  options.query.max_error = 0.01;
+  options.query.max_error_outside = 0.2;
+  const MeshReport report = extract(options);
+  EXPECT_LE(report.achieved_error, 0.01);
+  EXPECT_GT(report.largest_error, 0.01);
+  EXPECT_LE(report.largest_error, 0.2);
+  // Cells that meet the box state no more than is achieved.
+  for (std::size_t i = 0; i < cut_.n_cells(); ++i) {
+    const auto is_in = [&](std::uint32_t v) {
+      return std::ranges::all_of(cut_.positions[v].v,
+                                 [](double x) { return 0.1 <= x && x <= 0.3; });
+    };
+    if (std::ranges::any_of(cut_.tetrahedra[i], is_in))
+      EXPECT_LE(static_cast<double>(cut_.errors[i]), report.achieved_error);
+  }
+}
+
 TEST_F(tetra_queries, a_deadline_gives_what_is_ready) {
   TetraMeshOptions options;
   options.deadline_s = 0;
@@ -100,6 +123,36 @@ TEST_F(tetra_queries, a_deadline_gives_what_is_ready) {
   EXPECT_TRUE(all.is_settled);
   EXPECT_EQ(all.n_cells, mesh_.tetrahedra.size());
   EXPECT_EQ(all.achieved_error, 0);
+}
+
+/// What nodes there are below the base is in pages, which take longer than a deadline may last.
+TEST_F(tetra_queries, a_deadline_of_a_file_does_not_wait_for_pages) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("lode_deadline_" + std::to_string(::getpid()) + ".lode");
+  Progress progress;
+  ASSERT_TRUE(TetraDataset::build_file(mesh_, path, {.threads = {2}}, progress));
+  const auto read_for = [&](const TetraMeshOptions& options, MeshReport& report) {
+    const auto opened = TetraDataset::open(path);
+    EXPECT_TRUE(opened);
+    const auto made = opened->extract_mesh(options, cut_, progress);
+    EXPECT_TRUE(made) << made.error().message;
+    report = *made;
+    return opened->reads().n_bytes;
+  };
+  MeshReport late;
+  MeshReport base;
+  const double base_error = dataset_.describe().fields.front().base_error;
+  const std::uint64_t n_late = read_for({.deadline_s = 0}, late);
+  const SimplexMesh late_mesh = std::move(cut_);
+  const std::uint64_t n_base = read_for({.query = {.max_error = 2 * base_error}}, base);
+  std::filesystem::remove(path);
+  EXPECT_FALSE(late.is_settled);
+  EXPECT_EQ(late.n_cells, base.n_cells);
+  EXPECT_EQ(late.achieved_error, base_error);
+  // Nothing is known of single cells then but what holds of all.
+  for (const float error : late_mesh.errors)
+    EXPECT_TRUE(error == 0 || static_cast<double>(error) >= base_error) << error;
+  EXPECT_LT(n_late, n_base);
 }
 
 TEST_F(tetra_queries, refuses_pixels_and_deadlines_that_are_none) {

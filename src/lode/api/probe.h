@@ -25,10 +25,14 @@ struct ProbeOptions {
   Threads threads{};
 };
 
-/// The field at a point. Where it is outside of all cells there is nothing but the point.
+/// The field at a point. Where it is outside of all cells there is nothing but the point, and near
+/// the boundary bounds without a value.
 struct ProbedPoint {
   Vec3d point;  ///< World units.
   bool is_inside = false;
+  /// Outside of the cut, but no farther than its boundary may be off: if F is there, it is in the
+  /// value's bounds.
+  bool is_near_boundary = false;
   bool is_exact = false;    ///< F' is F there: bounds are those of rounding.
   BoundedNumber value{};    ///< F' of the cut, and bounds of F.
   double error = 0;         ///< Stated by the cell: largest |F - F'|, see ErrorPlace.
@@ -54,7 +58,8 @@ struct ProbeReport {
   double achieved_error = 0;  ///< Of what is probed, see ErrorPlace; 0 at full resolution.
   ErrorPlace error_place = ErrorPlace::everywhere;
   std::uint64_t n_cut_cells = 0;
-  std::uint64_t n_outside = 0;  ///< Points.
+  std::uint64_t n_outside = 0;        ///< Points; for certain.
+  std::uint64_t n_near_boundary = 0;  ///< Points: ProbedPoint::is_near_boundary.
   double seconds = 0;
 };
 

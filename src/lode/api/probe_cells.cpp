@@ -27,7 +27,7 @@ class PointProbe {
 
   [[nodiscard]] ProbedPoint at(const Vec3d& p) const {
     const auto cell = find_cell(locator_, p, is_exact_);
-    return cell ? in(*cell, p, 0) : ProbedPoint{.point = p};
+    return cell ? in(*cell, p, 0) : beyond(p);
   }
   /// Of a point in the cell that is up to `distance` from p.
   [[nodiscard]] ProbedPoint in(std::uint32_t cell, const Vec3d& p, double distance) const {
@@ -46,6 +46,21 @@ class PointProbe {
   }
 
  private:
+  /// The reference may be there all the same.
+  [[nodiscard]] ProbedPoint beyond(const Vec3d& p) const {
+    ProbedPoint point{.point = p};
+    const double reach = cells_.boundary_deviation * (1 + 1e-6);
+    if (!(reach > 0) || !cells_.range_off_cells) return point;
+    const Range range = cells_.range_off_cells({p, p});
+    if (range.is_empty()) return point;
+    locator_.visit_near(p, reach, [&](std::uint32_t cell) {
+      point.is_near_boundary =
+          point.is_near_boundary ||
+          (is_exact_[cell] == 0 && locator_.distance_to_faces(cell, p) <= reach);
+    });
+    if (point.is_near_boundary) point.value = {0, range.low, range.high};
+    return point;
+  }
   void bound(const Vec3d& p, double distance, const RoundedValue& made, ProbedPoint& point) const {
     BoundedNumber& value = point.value;
     if (cells_.range_in) {

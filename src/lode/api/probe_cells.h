@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -25,9 +26,13 @@ struct ProbeCells {
   /// A range that F is proven to keep on what cells that are not exact have in a box; there may be
   /// none where errors hold everywhere.
   std::function<Range(const Box3d&)> range_in{};
-  /// Largest size of F, and by how much boundaries of cells that are not exact may be off.
-  double largest_value = 0;
-  double boundary_deviation = 0;
+  /// The same; empty where all that F has in a box is on exact cells, or it has nothing there.
+  std::function<Range(const Box3d&)> range_off_cells{};
+  /// Of F anywhere, and the box of where it is.
+  Range all{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Box3d domain{};
+  double boundary_deviation =
+      0;  ///< By how much boundaries of cells that are not exact may be off.
 
   [[nodiscard]] bool has_exact(std::size_t cell) const {
     return is_exact.empty() ? mesh.errors[cell] == 0 : is_exact[cell] != 0;

@@ -14,18 +14,19 @@ using probe_sums::Extremes;
 using probe_sums::kEndless;
 using probe_sums::PartialIntegral;
 
+bool is_of_regions(const ProbeCells& cells, const IntegralOptions& options, std::size_t cell) {
+  return options.regions.empty() || cells.mesh.regions.empty() ||
+         std::ranges::find(options.regions, cells.mesh.regions[cell]) != options.regions.end();
+}
+
 class Integrator {
  public:
-  Integrator(const ProbeCells& cells, const IntegralOptions& options)
-      : cells_(cells), options_(options) {}
-
-  [[nodiscard]] bool is_wanted(std::size_t cell) const {
-    return options_.regions.empty() || cells_.mesh.regions.empty() ||
-           std::ranges::find(options_.regions, cells_.mesh.regions[cell]) != options_.regions.end();
-  }
+  /// `deviation`: a bound of the volume between the boundaries of cells and of the reference.
+  Integrator(const ProbeCells& cells, const IntegralOptions& options, double deviation)
+      : cells_(cells), options_(options), deviation_(deviation) {}
 
   void add(std::size_t cell, PartialIntegral& to) const {
-    if (!is_wanted(cell)) return;
+    if (!is_of_regions(cells_, options_, cell)) return;
     std::array<Vec3d, 4> corners;
     std::array<double, 4> values{};
     for (std::size_t k = 0; k < 4; ++k) {
@@ -43,9 +44,15 @@ class Integrator {
     if (part.is_empty() && part.volume_rounding == 0) return;
     if (!part.is_empty()) ++to.n_cells;
     if (part.is_whole) ++to.n_whole;
-    const Range range = range_on(cell, corners, values);
-    add_integral(cell, part, range, error, to);
-    add_extremes(part, range, to.extremes);
+    if (has_errors_everywhere(cell)) {
+      const double off = cells_.has_exact(cell) ? 0 : error;
+      add_integral_within(off, part, to);
+      add_extremes_within(off, part, corners, values, to.extremes);
+    } else {
+      const Range range = range_on(corners);
+      add_integral(part, range, to);
+      add_extremes(part, range, to.extremes);
+    }
     if (cells_.is_exact_at_vertices || cells_.has_exact(cell))
       add_vertices(corners, values, to.extremes);
   }
@@ -55,14 +62,7 @@ class Integrator {
     return cells_.has_exact(cell) || cells_.error_place == ErrorPlace::everywhere;
   }
   /// That F keeps on the cell's part in the box.
-  [[nodiscard]] Range range_on(std::size_t cell, const std::array<Vec3d, 4>& corners,
-                               const std::array<double, 4>& values) const {
-    const auto [low, high] = std::ranges::minmax(values);
-    if (has_errors_everywhere(cell)) {
-      const double error = cells_.has_exact(cell) ? 0 : double{cells_.mesh.errors[cell]};
-      if (error == 0) return {low, high};
-      return {std::nextafter(low - error, -kEndless), std::nextafter(high + error, kEndless)};
-    }
+  [[nodiscard]] Range range_on(const std::array<Vec3d, 4>& corners) const {
     Box3d box{corners[0], corners[0]};
     for (std::size_t i = 0; i < 3; ++i) {
       for (const Vec3d& p : corners) {
@@ -74,29 +74,67 @@ class Integrator {
     }
     return cells_.range_in(box);
   }
-  void add_integral(std::size_t cell, const CellPart& part, const Range& range, double error,
-                    PartialIntegral& to) const {
-    const double volume = part.volume + part.volume_rounding;
-    if (has_errors_everywhere(cell)) {
-      const double off =
-          part.integral_rounding + (cells_.has_exact(cell) ? 0 : error * volume * (1 + 0x1p-50));
-      to.integral_bounds.add(part.integral - off, part.integral + off);
-      return;
+  /// The box, a little larger or smaller than by what rounding may put a cell's cuts at it off
+  /// by: 54 units of the cell's width (cell_part.cpp), and two of a plane's place.
+  [[nodiscard]] Box3d moved_box(const std::array<Vec3d, 4>& corners, double sign) const {
+    double width = 0;
+    for (std::size_t k = 1; k < 4; ++k)
+      for (std::size_t j = 0; j < k; ++j)
+        for (const double x : (corners[k] - corners[j]).v) width = std::max(width, std::abs(x));
+    Box3d box = *options_.box;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto off = [&](double at) { return sign * (0x1p-45 * width + 0x1p-51 * std::abs(at)); };
+      box.lower[i] -= off(box.lower[i]);
+      box.upper[i] += off(box.upper[i]);
     }
+    return box;
+  }
+  static void add_integral_within(double error, const CellPart& part, PartialIntegral& to) {
+    const double volume = part.volume + part.volume_rounding;
+    const double off = part.integral_rounding + error * volume * (1 + 0x1p-50);
+    to.integral_bounds.add(part.integral - off, part.integral + off);
+  }
+  /// Of a cell on which F is within `error` of F'. What a smaller box cuts out is in the box, and
+  /// what a larger one does holds all that is.
+  void add_extremes_within(double error, const CellPart& part, const std::array<Vec3d, 4>& corners,
+                           const std::array<double, 4>& values, Extremes& to) const {
+    add_of_cut(part, to);
+    const bool is_cut = options_.box && !part.is_whole;
+    const CellPart least = is_cut ? part_in_box(corners, values, moved_box(corners, -1)) : part;
+    const CellPart most = is_cut ? part_in_box(corners, values, moved_box(corners, 1)) : part;
+    const auto [low, high] = std::ranges::minmax(values);
+    // A mean of values along an edge, up to six times.
+    const double off = is_cut ? error + 0x1p-48 * std::max(std::abs(low), std::abs(high)) : error;
+    const auto below = [off](double x) { return off > 0 ? std::nextafter(x - off, -kEndless) : x; };
+    const auto above = [off](double x) { return off > 0 ? std::nextafter(x + off, kEndless) : x; };
+    if (!most.is_empty()) {
+      to.lowest = std::min(to.lowest, below(most.lowest));
+      to.highest = std::max(to.highest, above(most.highest));
+    }
+    if (!least.is_empty()) {
+      to.reached_low = std::min(to.reached_low, above(least.lowest));
+      to.reached_high = std::max(to.reached_high, below(least.highest));
+    }
+  }
+  static void add_integral(const CellPart& part, const Range& range, PartialIntegral& to) {
+    const double volume = part.volume + part.volume_rounding;
     const double least = std::max(0.0, part.volume - part.volume_rounding);
     constexpr double kWiden = 0x1p-50;
     const double low = std::min(range.low * least, range.low * volume);
     const double high = std::max(range.high * least, range.high * volume);
     to.integral_bounds.add(low - kWiden * std::abs(low), high + kWiden * std::abs(high));
   }
-  static void add_extremes(const CellPart& part, const Range& range, Extremes& to) {
-    if (!part.is_empty()) {
-      to.of_cut_low = std::min(to.of_cut_low, part.lowest);
-      to.of_cut_high = std::max(to.of_cut_high, part.highest);
-    }
+  static void add_of_cut(const CellPart& part, Extremes& to) {
+    if (part.is_empty()) return;
+    to.of_cut_low = std::min(to.of_cut_low, part.lowest);
+    to.of_cut_high = std::max(to.of_cut_high, part.highest);
+  }
+  /// F is on some of the part, if that is more than can be outside of the reference.
+  void add_extremes(const CellPart& part, const Range& range, Extremes& to) const {
+    add_of_cut(part, to);
     to.lowest = std::min(to.lowest, range.low);
     to.highest = std::max(to.highest, range.high);
-    if (part.volume > part.volume_rounding) {
+    if (part.volume > part.volume_rounding + deviation_) {
       to.reached_low = std::min(to.reached_low, range.high);
       to.reached_high = std::max(to.reached_high, range.low);
     }
@@ -117,6 +155,7 @@ class Integrator {
 
   const ProbeCells& cells_;
   const IntegralOptions& options_;
+  double deviation_;
 };
 
 /// A bound of the volume within a distance of a triangle.
@@ -129,8 +168,8 @@ double volume_near(const std::array<Vec3d, 3>& t, double distance) {
 
 /// A bound of what lies between the boundary of what is wanted and that of the reference: all of it
 /// is within the deviation of faces that one wanted cell alone has, which is not the reference's.
-double volume_of_deviation(const ProbeCells& cells, const Integrator& wanted,
-                           const std::optional<Box3d>& box) {
+double volume_of_deviation(const ProbeCells& cells, const IntegralOptions& options) {
+  const std::optional<Box3d>& box = options.box;
   const double deviation = cells.boundary_deviation;
   if (!(deviation > 0)) return 0;
   struct Face {
@@ -139,7 +178,7 @@ double volume_of_deviation(const ProbeCells& cells, const Integrator& wanted,
   };
   std::vector<Face> faces;
   for (std::size_t i = 0; i < cells.mesh.tetrahedra.size(); ++i) {
-    if (!wanted.is_wanted(i)) continue;
+    if (!is_of_regions(cells, options, i)) continue;
     const auto& t = cells.mesh.tetrahedra[i];
     for (std::size_t k = 0; k < 4; ++k) {
       Face face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, cells.has_exact(i)};
@@ -177,8 +216,52 @@ BoundedNumber ratio(const BoundedNumber& a, const BoundedNumber& b) {
   return made;
 }
 
-void fill_report(const PartialIntegral& sum, const ProbeCells& cells, double deviation,
-                 IntegralReport& report) {
+/// A bound of the volume of what a box has of the domain.
+double largest_volume(const ProbeCells& cells, const std::optional<Box3d>& box) {
+  double volume = 1 + 1e-12;
+  for (std::size_t i = 0; i < 3; ++i) {
+    double low = cells.domain.lower[i];
+    double high = cells.domain.upper[i];
+    if (box) low = std::max(low, box->lower[i]);
+    if (box) high = std::min(high, box->upper[i]);
+    volume *= std::max(0.0, high - low);
+  }
+  return volume;
+}
+
+/// What the boundary may be off by widens bounds; but no volume is larger than the box round it, no
+/// value of F outside of its range, and no integral off their product.
+void add_deviation(const ProbeCells& cells, const std::optional<Box3d>& box, double deviation,
+                   IntegralReport& report) {
+  BoundedNumber& volume = report.volume;
+  volume.low = std::max(0.0, volume.low - deviation);
+  // Of cells that lie over one another, more.
+  volume.high =
+      std::max(volume.high, std::min(volume.high + deviation, largest_volume(cells, box)));
+  const double off =
+      deviation * std::max(std::abs(cells.all.low), std::abs(cells.all.high)) * (1 + 1e-6);
+  BoundedNumber& integral = report.integral;
+  const double low = std::min(volume.low * cells.all.low, volume.high * cells.all.low);
+  const double high = std::max(volume.low * cells.all.high, volume.high * cells.all.high);
+  integral.low =
+      std::max(integral.low - off, std::min(integral.value, low - 1e-15 * std::abs(low)));
+  integral.high =
+      std::min(integral.high + off, std::max(integral.value, high + 1e-15 * std::abs(high)));
+  // Where errors hold everywhere boundaries stay, but for rounding.
+  if (!cells.range_off_cells || cells.error_place == ErrorPlace::everywhere) return;
+  const Range range = cells.range_off_cells(box ? *box : cells.domain);
+  report.minimum.low = std::min(report.minimum.low, range.low);
+  report.maximum.high = std::max(report.maximum.high, range.high);
+}
+
+/// In the stored range, as far as the cut's own value is.
+void clamp_extreme(const Range& all, BoundedNumber& extreme) {
+  extreme.low = std::max(extreme.low, std::min(all.low, extreme.value));
+  extreme.high = std::min(extreme.high, std::max(all.high, extreme.value));
+}
+
+void fill_report(const PartialIntegral& sum, const ProbeCells& cells,
+                 const std::optional<Box3d>& box, double deviation, IntegralReport& report) {
   report.n_cells = sum.n_cells;
   report.n_whole = sum.n_whole;
   report.is_empty = sum.n_cells == 0;
@@ -187,17 +270,16 @@ void fill_report(const PartialIntegral& sum, const ProbeCells& cells, double dev
   report.integral_rounding = sum.integral_rounding * (1 + 1e-6) + sum.integral.rounding();
   report.integral_estimate = sum.estimate.value();
   report.volume = sum.volume_bounds.around(sum.volume.value());
-  report.volume.low = std::max(0.0, report.volume.low - deviation);
-  report.volume.high += deviation;
+  report.volume.low = std::max(0.0, report.volume.low);
   report.integral = sum.integral_bounds.around(sum.integral.value());
-  const double off = deviation * cells.largest_value * (1 + 1e-6);
-  report.integral.low -= off;
-  report.integral.high += off;
   const Extremes& extremes = sum.extremes;
   report.minimum = {extremes.of_cut_low, std::min(extremes.lowest, extremes.of_cut_low),
                     std::max(extremes.reached_low, extremes.of_cut_low)};
   report.maximum = {extremes.of_cut_high, std::min(extremes.reached_high, extremes.of_cut_high),
                     std::max(extremes.highest, extremes.of_cut_high)};
+  if (deviation > 0) add_deviation(cells, box, deviation, report);
+  clamp_extreme(cells.all, report.minimum);
+  clamp_extreme(cells.all, report.maximum);
   report.mean = ratio(report.integral, report.volume);
   report.mean.low = std::max(report.mean.low, report.minimum.low);
   report.mean.high = std::min(report.mean.high, report.maximum.high);
@@ -216,7 +298,8 @@ Result<void> check_integral(const IntegralOptions& options) {
 }
 
 IntegralReport integrate_cells(const ProbeCells& cells, const IntegralOptions& options) {
-  const Integrator integrator(cells, options);
+  const double deviation = volume_of_deviation(cells, options);
+  const Integrator integrator(cells, options, deviation);
   constexpr std::size_t kBlock = 1024;
   const std::size_t n = cells.mesh.tetrahedra.size();
   std::vector<PartialIntegral> parts((n + kBlock - 1) / kBlock);
@@ -227,7 +310,7 @@ IntegralReport integrate_cells(const ProbeCells& cells, const IntegralOptions& o
   PartialIntegral sum;
   for (const PartialIntegral& part : parts) sum.add(part);
   IntegralReport report;
-  fill_report(sum, cells, volume_of_deviation(cells, integrator, options.box), report);
+  fill_report(sum, cells, options.box, deviation, report);
   return report;
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <span>
 
 #include "lode/models/tetra_mt/space_curve.h"
@@ -114,10 +116,18 @@ void add_patch_sides(const MarkedFaces& faces, SimplexMesh& mesh) {
   }
 }
 
+/// As float32.
+float not_below(double value) {
+  const auto near = static_cast<float>(value);
+  return static_cast<double>(near) < value
+             ? std::nextafter(near, std::numeric_limits<float>::infinity())
+             : near;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
-                                     const TetraCut& cut, SimplexMesh& mesh) {
+                                     const TetraCut& cut, CellErrors errors, SimplexMesh& mesh) {
   mesh = {};
   std::vector<std::uint32_t> vertex_ids = sorted_vertices(hierarchy, cut);
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
@@ -128,7 +138,10 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
     mesh.attributes.push_back({heads[field].name, heads[field].has_narrow_values, {}});
   const auto error_of = [&](std::uint32_t slot, std::size_t field) {
     const std::uint32_t maker = cut.maker(slot);
-    return maker == kNone ? 0.0F : hierarchy.facts(maker, field).error;
+    if (maker == kNone) return 0.0F;
+    if (errors == CellErrors::at_hand && !hierarchy.has_facts(maker, field))
+      return not_below(heads[field].base_error);
+    return hierarchy.facts(maker, field).error;
   };
   for (const std::uint32_t slot : sorted_cells(cut, numbers, vertex_ids.size())) {
     auto& corners = mesh.tetrahedra.emplace_back(cut.slots()[slot].corners);

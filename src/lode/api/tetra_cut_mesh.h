@@ -10,11 +10,15 @@
 
 namespace lode {
 
+/// Whether errors of cells are looked up in pages that would have to be read for it, or are those
+/// of the base, which hold everywhere, where they would.
+enum class CellErrors : std::uint8_t { own, at_hand };
+
 /// Cells of a cut, with the values and errors of fields, their vertices numbered in the order of
 /// the hierarchy's: whose numbers it returns.
 std::vector<std::uint32_t> fill_mesh(const tetra_mt::PackedHierarchy& hierarchy,
                                      const TetraFieldUse& fields, const tetra_mt::TetraCut& cut,
-                                     SimplexMesh& mesh);
+                                     CellErrors errors, SimplexMesh& mesh);
 
 /// The same of midpoints: vertices are in the order of their labels, and most are none of the
 /// reference's.

@@ -40,12 +40,10 @@ using Midpoints = tetra_mt::midpoint::Forest;
 using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
-/// What making a surface or mesh of a cut takes at most, so that a deadline is kept: errors of its
-/// cells may be on any page that has not been read.
+/// What making a surface or mesh of a cut takes at most, so that a deadline is kept, with the
+/// errors of its cells that are at hand: others may be on any page that has not been read.
 double finishing_seconds(const PackedHierarchy& hierarchy, std::uint64_t n_cells) {
-  const std::uint32_t n_unread = hierarchy.head().shape.n_pages() - hierarchy.n_pages_loaded();
-  return 1e-3 + 4e-7 * static_cast<double>(n_cells) + 1e-8 * hierarchy.head().n_vertices() +
-         2.5e-4 * n_unread;
+  return 1e-3 + 4e-7 * static_cast<double>(n_cells) + 1e-8 * hierarchy.head().n_vertices();
 }
 
 /// What positions of surfaces are relative to: nothing, unless the mesh is so far away that float32
@@ -209,27 +207,32 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
                                                 const Fill& fill, Progress& progress) const {
   const Stopwatch watch;
   Engine<Model> engine(model);
-  engine.set_query(demand_of(query, 2 * surface_margin), query.budget, FocusChange::changed,
-                   options.deadline_s ? ApplyOrder::best_first : ApplyOrder::nearest_first);
-  const auto is_late = [&] {
-    return watch.seconds() + finishing(engine.n_cells()) >= *options.deadline_s;
-  };
-  constexpr unsigned kStepsPerLook = 16;
-  unsigned n_looks = 0;
-  engine.run([&] {
+  // Facts of nodes may be in pages that take milliseconds each, so the clock is looked at for each.
+  const auto must_stop = [&] {
     return progress.is_cancelled() || model.is_damaged() ||
-           (options.deadline_s && n_looks++ % kStepsPerLook == 0 && is_late());
-  });
+           (options.deadline_s &&
+            watch.seconds() + finishing(engine.n_cells()) >= *options.deadline_s);
+  };
+  const bool has_candidates = engine.set_query_unless(
+      must_stop, demand_of(query, 2 * surface_margin), query.budget, FocusChange::changed,
+      options.deadline_s ? ApplyOrder::best_first : ApplyOrder::nearest_first);
+  if (has_candidates) engine.run(must_stop);
   if (progress.is_cancelled()) return cancelled_error();
   const Standing standing = engine.standing();
   TetraCutMesh made{.origin = surface_origin, .margin = surface_margin};
   LODE_TRY(made.vertex_ids, fill(made.mesh));
   made.report.max_error = *query.max_error;
-  // What is out of sight remains a candidate.
+  // What is out of sight remains a candidate, and what is out of focus with a tolerance there.
   const auto view = query.view ? std::optional(to_view_focus(*query.view)) : std::nullopt;
-  made.report.achieved_error = engine.largest([&](const NodeFacts& facts) {
-    return !view || view->shows(facts.bounds) ? facts.error : 0.0;
-  });
+  Query focused = query;
+  focused.max_error_outside.reset();
+  const Demand focus = demand_of(std::move(focused), 2 * surface_margin);
+  const auto error_in_focus = [&](const NodeFacts& facts) {
+    const bool counts = focus.touches(facts) && (!view || view->shows(facts.bounds));
+    return counts ? facts.error : 0.0;
+  };
+  made.report.achieved_error = has_candidates ? engine.largest(error_in_focus)
+                                              : info.fields[options.fields.measured].base_error;
   made.report.n_cut_cells = standing.n_cells;
   made.report.budget_met = standing.budget_met;
   made.report.is_settled = standing.is_settled;
@@ -258,10 +261,11 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
     return refine(cut, query, options, finishing, fill, progress);
   }
   TetraCut cut(*hierarchy, options.fields.measured);
+  const auto errors = options.deadline_s ? CellErrors::at_hand : CellErrors::own;
   const auto finishing = [&](std::uint64_t n) { return finishing_seconds(*hierarchy, n); };
   const auto fill = [&](SimplexMesh& mesh) -> Ids {
     LODE_CHECK(cut.check());
-    std::vector<std::uint32_t> ids = fill_mesh(*hierarchy, options.fields, cut, mesh);
+    std::vector<std::uint32_t> ids = fill_mesh(*hierarchy, options.fields, cut, errors, mesh);
     LODE_CHECK(cut.check());
     return ids;
   };

@@ -92,7 +92,8 @@ class CandidateRanges {
     locator_ = std::make_unique<const CellLocator>(corners_, boxes_, Threads{1});
   }
 
-  [[nodiscard]] Range range_in(const Box3d& where) const {
+  /// Empty where no candidate's bounds are.
+  [[nodiscard]] Range range_of_candidates(const Box3d& where) const {
     Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     const auto meets = [&](const Box3d& box) {
       bool is = true;
@@ -104,8 +105,12 @@ class CandidateRanges {
       range.low = std::min(range.low, ranges_[at].low);
       range.high = std::max(range.high, ranges_[at].high);
     });
-    if (range.is_empty()) return all_;
+    if (range.is_empty()) return range;
     return {std::max(range.low, all_.low), std::min(range.high, all_.high)};
+  }
+  [[nodiscard]] Range range_in(const Box3d& where) const {
+    const Range range = range_of_candidates(where);
+    return range.is_empty() ? all_ : range;
   }
   /// The largest: what the query achieves where it looks.
   [[nodiscard]] double error() const { return error_; }
@@ -187,11 +192,19 @@ Result<ProbeCells> cells_of(View view, const TetraInfo& info, std::size_t field,
   const ErrorPlace place = info.fields[field].error_place;
   ProbeCells cells{.is_exact_at_vertices = info.placement == Placement::half_edge,
                    .error_place = place};
-  fill_cells(view, info, slots_near(view, where), cells);
+  // Those, too, whose boundary may be off by as much as to come there.
+  const double deviation = info.boundary_deviation;
+  const auto near = [&](const Box3d& box) {
+    const Vec3d reach{{deviation, deviation, deviation}};
+    return where({box.lower - reach, box.upper + reach});
+  };
+  fill_cells(view, info, slots_near(view, near), cells);
   LODE_CHECK(cut.check());
   cells.range_in = [ranges](const Box3d& box) { return ranges->range_in(box); };
-  cells.largest_value = std::max(std::abs(all.low), std::abs(all.high));
-  cells.boundary_deviation = info.boundary_deviation;
+  cells.range_off_cells = [ranges](const Box3d& box) { return ranges->range_of_candidates(box); };
+  cells.all = all;
+  cells.domain = info.bounds;
+  cells.boundary_deviation = deviation;
   report = {.max_error = max_error,
             .achieved_error = ranges->error(),
             .error_place = place,
@@ -214,9 +227,9 @@ Result<ProbeCells> cells_near(const ProbedHierarchy& hierarchy, std::size_t fiel
               [&](const Forest& forest) { return MidpointView(forest, field); });
 }
 
-std::uint64_t count_outside(std::span<const ProbedPoint> points) {
-  return static_cast<std::uint64_t>(
-      std::ranges::count_if(points, [](const ProbedPoint& p) { return !p.is_inside; }));
+void count_outside(std::span<const ProbedPoint> points, ProbeReport& report) {
+  for (const ProbedPoint& point : points)
+    if (!point.is_inside) ++(point.is_near_boundary ? report.n_near_boundary : report.n_outside);
 }
 
 }  // namespace
@@ -229,7 +242,7 @@ Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, std::span<
   LODE_TRY(const ProbeCells cells, cells_near(hierarchy, options.field, meets_points(points),
                                               options.max_error, progress, report));
   found = probe_points_in(cells, points, options.threads);
-  report.n_outside = count_outside(found);
+  count_outside(found, report);
   return report;
 }
 

@@ -54,7 +54,7 @@ struct CellMesh {
   std::vector<MeshField> point_fields;
   std::vector<MeshField> cell_fields;
   std::vector<BoundaryPatch> patch_names;   ///< Of cells with two dimensions, where a file has any.
-  std::vector<std::string> skipped_arrays;  ///< Names of those that are no numbers: texts and bits.
+  std::vector<std::string> skipped_arrays;  ///< Those of no use: texts, bits, by corner.
   std::uint64_t n_ghost_cells = 0;          ///< Left out: copies of another piece's cells.
   std::uint64_t n_hidden_cells = 0;  ///< Left out: blanked ones, and those of blanked points.
 

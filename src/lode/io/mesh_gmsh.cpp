@@ -19,6 +19,7 @@ Result<void> read_section(const std::string& name, GmshInput& input) {
   if (name == "$Elements") return read_gmsh_elements(input);
   if (name == "$NodeData") return read_gmsh_data(GmshPlace::nodes, input);
   if (name == "$ElementData") return read_gmsh_data(GmshPlace::elements, input);
+  if (name == "$ElementNodeData") return skip_gmsh_data(name, input);
   return {};
 }
 

@@ -238,4 +238,13 @@ Result<void> read_gmsh_data(GmshPlace place, GmshInput& input) {
   return {};
 }
 
+Result<void> skip_gmsh_data(const std::string& section, GmshInput& input) {
+  LODE_TRY(const GmshDataHead head, read_data_head(input.text));
+  std::vector<std::string>& skipped = input.mesh.skipped_arrays;
+  std::string name = fmt::format("{} ({})", head.name, section);
+  if (std::find(skipped.begin(), skipped.end(), name) == skipped.end())
+    skipped.push_back(std::move(name));
+  return {};
+}
+
 }  // namespace lode::io

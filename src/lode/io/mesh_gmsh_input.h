@@ -53,4 +53,7 @@ struct GmshInput {
 enum class GmshPlace { nodes, elements };
 [[nodiscard]] Result<void> read_gmsh_data(GmshPlace place, GmshInput& input);
 
+/// Of another section of values its name alone, which it lists as left out, once.
+[[nodiscard]] Result<void> skip_gmsh_data(const std::string& section, GmshInput& input);
+
 }  // namespace lode::io

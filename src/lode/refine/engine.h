@@ -37,7 +37,16 @@ class Engine {
   /// The answer is the same in both orders, which are one where there is a budget or pages come
   /// late.
   void set_query(Demand demand, Budget budget = {}, FocusChange focus = FocusChange::changed,
-                 ApplyOrder apply_order = ApplyOrder::best_first);
+                 ApplyOrder apply_order = ApplyOrder::best_first) {
+    (void)set_query_unless([] { return false; }, std::move(demand), budget, focus, apply_order);
+  }
+  /// The same, but `must_stop` is asked before each node below the base whose facts it takes, which
+  /// may be in pages that take their time: false where it said so. Then no step may follow before
+  /// another query, and there are no candidates.
+  template <typename MustStop>
+  [[nodiscard]] bool set_query_unless(const MustStop& must_stop, Demand demand, Budget budget = {},
+                                      FocusChange focus = FocusChange::changed,
+                                      ApplyOrder apply_order = ApplyOrder::best_first);
 
   /// False if nothing was left to do: the answer is there, or it takes pages that are not.
   bool step();
@@ -184,7 +193,9 @@ class Engine {
 };
 
 template <RefinableModel M>
-void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus, ApplyOrder apply_order) {
+template <typename MustStop>
+bool Engine<M>::set_query_unless(const MustStop& must_stop, Demand demand, Budget budget,
+                                 FocusChange focus, ApplyOrder apply_order) {
   // An evaluation that was cut short has not looked for candidates everywhere.
   const bool is_complete = phase_ != Phase::evaluate || focus_ == FocusChange::same;
   demand_ = std::move(demand);
@@ -211,11 +222,14 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus, Apply
   is_in_order_ = cut_.n_applied() == 0;
   is_nested_ = true;
   is_searching_ = focus_ == FocusChange::changed && cut_.n_applied() > 0;
-  if (focus_ == FocusChange::same) return;
+  if (focus_ == FocusChange::same) return true;
   children_.clear();
   model_.add_base(children_);
-  for (const NodeId id : children_)
+  for (const NodeId id : children_) {
+    if (must_stop()) return false;
     if (cut_.find(id) == Cut::kNowhere) discover(id, std::numeric_limits<float>::infinity());
+  }
+  return true;
 }
 
 template <RefinableModel M>

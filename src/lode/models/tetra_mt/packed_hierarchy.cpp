@@ -304,6 +304,10 @@ StoredFacts PackedHierarchy::facts(std::uint32_t node, std::size_t field) const 
   return to_facts(page_of(node, pages).facts(node % kPageNodes), base_of(pages).scale);
 }
 
+bool PackedHierarchy::has_facts(std::uint32_t node, std::size_t field) const {
+  return pages_->fields[field]->pages.at(node / kPageNodes) != nullptr;
+}
+
 Bounds PackedHierarchy::bounds(std::uint32_t node) const {
   const NodePage& page = page_of(node);
   const Box3d box = box_codes_.box(page.position(node % kPageNodes), page.box(node % kPageNodes));

@@ -87,6 +87,8 @@ class PackedHierarchy {
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const;
   [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const;
   [[nodiscard]] StoredFacts facts(std::uint32_t node, std::size_t field) const;
+  /// Whether they are in memory.
+  [[nodiscard]] bool has_facts(std::uint32_t node, std::size_t field) const;
   /// A box that holds all it discovers.
   [[nodiscard]] Bounds bounds(std::uint32_t node) const;
   [[nodiscard]] NodePage::Links links(std::uint32_t node) const {
