@@ -323,6 +323,10 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
+  if (jobs.size() > 1 && (options.max_distance || options.keep_topology))
+    session.warn(
+        "each isovalue is extracted by itself into a file of its own: surfaces of different files "
+        "may pass through each other; .ply, .vtp and .glb hold all of them, of one cut");
   std::vector<std::string> paths;
   for (const Job& job : jobs) {
     LODE_CHECK(check_writable(job.path));

@@ -130,10 +130,12 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
   LODE_TRY(const OpenedTerrain raster, open_raster(job.input, job, session));
   LODE_TRY(const Surface surface, read_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain));
-  return verify_terrain(
-      *raster.grid, surface,
-      {.max_error = max_error.value_or(0), .shape = shape, .threads = session.threads()},
-      session.progress());
+  return verify_terrain(*raster.grid, surface,
+                        {.max_error = max_error.value_or(0),
+                         .shape = shape,
+                         .matches_sides = !built_model_of(job.terrain.model),
+                         .threads = session.threads()},
+                        session.progress());
 }
 
 Result<void> check_tile_verify(const TerrainVerifyJob& job, const CLI::App& app) {

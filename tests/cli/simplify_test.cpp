@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "lode/api/files.h"
 #include "tests/cli/ball_fixture.h"
 
@@ -122,6 +124,27 @@ TEST_F(cli_simplify, is_verified_to_face_the_way_it_did) {
           EXPECT_NE(run.err.find("pieces face the way they did"), std::string::npos) << run.err;
       }
     }
+}
+
+/// One piece outward and one inward, as they are again when all is turned.
+TEST_F(cli_simplify, of_a_shell_is_verified_to_face_the_way_it_did) {
+  const std::string shell = file("shell.nrrd");
+  write_nrrd(shell, {{20, 20, 20}}, [](int x, int y, int z) {
+    const double r = std::hypot(x - 9.6, y - 9.3, z - 9.8);
+    return static_cast<int>(std::lround(200 - 40 * std::abs(r - 6)));
+  });
+  for (const Words& how : {Words{"--max-distance", "0.5"}, Words{"--max-error", "4"}}) {
+    Words extract{"extract", shell, file("s.ply"), "--isovalue", "120.5", "--simplify", "--flip"};
+    Words verify{"verify", shell, "--surface", file("s.ply"), "--isovalue", "120.5", "--simplify"};
+    extract.insert(extract.end(), how.begin(), how.end());
+    verify.insert(verify.end(), how.begin(), how.end());
+    ASSERT_EQ(run_lode(extract).exit_code, 0);
+    const Finished run = run_lode(verify);
+    EXPECT_EQ(run.exit_code, 1) << run.out;
+    EXPECT_NE(run.err.find("pieces face the way they did"), std::string::npos) << run.err;
+    verify.emplace_back("--flip");
+    EXPECT_EQ(run_lode(verify).exit_code, 0);
+  }
 }
 
 TEST_F(cli_simplify, within_an_error_leaves_fewer_triangles_and_is_verified) {

@@ -156,6 +156,15 @@ TEST_F(cli_terrain_sight, wraps_surfaces_contours_and_models_on_request) {
   // What is built of it has heights all the way round.
   ASSERT_EQ(run_lode({"build", globe, model, "--levels", "0", "--wrap"}).exit_code, 0);
   EXPECT_EQ(run_lode({"verify", model, "--against", globe, "--wrap"}).exit_code, 0);
+  // What they promise of their sides is nothing, and nothing is asked of them.
+  for (const Words& kind :
+       {Words{"--levels", "3,1,0"}, Words{"--model", "implicit_delaunay_pyramid"}}) {
+    const std::string file = scratch_ / "m.lode";
+    Words words{"build", globe, file, "--wrap"};
+    words.insert(words.end(), kind.begin(), kind.end());
+    ASSERT_EQ(run_lode(words).exit_code, 0);
+    EXPECT_EQ(run_lode({"verify", file, "--against", globe, "--wrap"}).exit_code, 0) << kind[1];
+  }
   const auto seam = run_lode({"height", model, "--at", "180,0", "--json"}).json();
   EXPECT_EQ(seam.at("outside"), 0);
   for (const Words& refused : {Words{"extract", part, made, "--wrap"},

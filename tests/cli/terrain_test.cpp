@@ -119,8 +119,10 @@ TEST(cli_terrain, is_in_metres_in_gltf) {
       "PARAMETER[\"false_easting\",0],PARAMETER[\"false_northing\",0],UNIT[\"foot\",0.3048]]");
   EXPECT_NEAR(feet[0], 0.3048, 1e-12);
   EXPECT_NEAR(feet[1], 0.3048, 1e-12);
+  EXPECT_NEAR(feet[2], 0.3048, 1e-12) << "without a unit of their own";
   const Finished unknown = run_lode({"extract", scratch / "dem.asc", scratch / "dem.glb"});
-  EXPECT_NE(unknown.err.find("heights are taken for metres"), std::string::npos) << unknown.err;
+  EXPECT_NE(unknown.err.find("heights are taken to be in the unit of x and y"), std::string::npos)
+      << unknown.err;
 }
 
 TEST(cli_terrain, warns_of_boxes_that_lie_outside_in_part) {

@@ -201,7 +201,11 @@ TEST_F(point_reader, refuses_decimal_commas_and_lines_of_other_lengths) {
   }
   expect_refusal("a.csv", "1,2,3,4\n\n1,2,3\n", "expected 4 columns, as before, in line 3, got 3");
   expect_refusal("a.csv", "x y z\n7 1 2 3\n", "expected 3 columns, as before, in line 2, got 4");
-  expect_refusal("a.csv", "name,x,y,z\n\"Foo, Bar\",1,2,3\n", "got 5");
+  // What is in quotes separates nothing.
+  const PointFile named = read(write("a.csv", "name,x,y,z\n\"Foo, Bar\",1,2,3\n"));
+  ASSERT_EQ(named.points.size(), 1U);
+  EXPECT_EQ(named.points[0].v, (std::array<double, 3>{1, 2, 3}));
+  EXPECT_EQ(read(write("a.csv", "1,2,3,\"a, b\"\n2,3,4,c\n")).points.size(), 2U);
   EXPECT_EQ(read(write("a.csv", "1,2,3,\n4, 5, 6\n7,8,9\n")).points.size(), 3U);
 }
 

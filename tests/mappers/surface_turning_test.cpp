@@ -48,28 +48,33 @@ TEST(surface_turning, closed_pieces_face_outward_or_inward) {
   EXPECT_EQ(facing_of({}, {1}).n_flat, 0U);
 }
 
-TEST(surface_turning, open_pieces_face_as_what_is_near) {
+TEST(surface_turning, is_told_by_what_is_near) {
   const Progress progress;
   const Surface fine = sphere_and_torus(24);
-  Surface coarse = sphere_and_torus(5);
-  const auto share = [&](const Surface& of) {
-    return share_turned(of, fine, 0.3, {2}, progress).value();
+  const auto facing = [&](const Surface& of, double reach = 0.2) {
+    return hold_against(of, fine, reach, {2}, progress).value();
   };
-  EXPECT_EQ(share(coarse), 0) << "they are closed";
-  const std::size_t n = n_of_sphere(5);
-  coarse.triangles.erase(coarse.triangles.begin());
-  EXPECT_EQ(share(coarse), 0);
+  Surface coarse = sphere_and_torus(5);
+  EXPECT_EQ(facing(coarse).share_turned, 0);
+  EXPECT_EQ(facing(coarse).n_large_open, 0U) << "they are closed";
   Surface turned = coarse;
-  turn(turned, 0, n - 1);
-  EXPECT_EQ(share(turned), 1);
-  turn(turned, 0, (n - 1) / 2);
-  EXPECT_GT(share(turned), 0.2);
-  EXPECT_LT(share(turned), 0.8);
-  EXPECT_EQ(share_turned({}, fine, 0.3, {2}, progress).value(), 0);
-  EXPECT_EQ(share_turned(coarse, {}, 0.3, {2}, progress).value(), 0);
+  turn(turned, 0, turned.triangles.size());
+  EXPECT_EQ(facing(turned).share_turned, 1);
+  // Both are open; the sphere is the smaller part.
+  const std::size_t n = n_of_sphere(5);
+  coarse.triangles.erase(coarse.triangles.begin() + static_cast<std::ptrdiff_t>(n));
+  coarse.triangles.erase(coarse.triangles.begin());
+  EXPECT_EQ(facing(coarse).n_large_open, 2U);
+  EXPECT_EQ(facing(coarse).n_turned, 0U);
+  turn(coarse, 0, n - 1);
+  EXPECT_LT(facing(coarse).share_turned, 0.5);
+  EXPECT_EQ(facing(coarse).n_turned, 1U);
+  EXPECT_EQ(facing(coarse, 3).n_large_open, 0U) << "next to what may be off by so much";
+  EXPECT_EQ(facing({}).share_turned, 0);
+  EXPECT_EQ(hold_against(coarse, {}, 0.3, {2}, progress)->share_turned, 0);
   // However far they are from each other.
   const Surface far = test::make_sphere(4, 1, {{50, 0, 0}});
-  EXPECT_TRUE(share_turned(coarse, far, 1e-3, {1}, progress));
+  EXPECT_TRUE(hold_against(coarse, far, 1e-3, {1}, progress));
 }
 
 }  // namespace

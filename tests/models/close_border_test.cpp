@@ -297,6 +297,10 @@ TEST(close_border, refuses_what_it_cannot_close) {
   const auto holed = c.dataset.extract(closed_at(9.3, 0), surface, progress);
   ASSERT_FALSE(holed);
   EXPECT_NE(holed.error().message.find("holes"), std::string::npos) << holed.error().message;
+  const Case first = case_of(grid_with({{5, 4, 6}}), [](const Index3& p) {
+    return p == Index3{{0, 0, 0}} ? std::nanf("") : 7.0F;
+  });
+  EXPECT_FALSE(first.dataset.extract(closed_at(5, 0), surface, progress));
   // Nothing to close is nothing to refuse.
   EXPECT_TRUE(c.dataset.extract(closed_at(1000, 0), surface, progress));
   EXPECT_TRUE(surface.is_empty());

@@ -174,6 +174,12 @@ TEST(distance_cut, surfaces_of_several_isovalues_do_not_meet) {
       ExtractOptions options{.isovalues = isovalues, .max_distance = distance};
       const Extracted all = extracted(dataset, options);
       EXPECT_EQ(n_crossings(all.surface), 0U);
+      // However isovalues are named.
+      const Extracted turned =
+          extracted(dataset, {.isovalues = {isovalues[1], isovalues[0]}, .max_distance = distance});
+      for (const double isovalue : isovalues)
+        EXPECT_EQ(part_at(turned.surface, isovalue).triangles.size(),
+                  part_at(all.surface, isovalue).triangles.size());
       std::vector<Surface> alone;
       std::uint64_t n_full = 0;
       for (const double isovalue : isovalues) {

@@ -75,7 +75,9 @@ VerifyReport verified(const HeightGrid& grid, const Surface& surface,
   Progress progress;
   const TinShape shape =
       options.order == InsertionOrder::tiles ? TinShape::tiles : TinShape::delaunay;
-  return verify_terrain(grid, surface, {.max_error = *options.max_error, .shape = shape}, progress)
+  return verify_terrain(grid, surface,
+                        {.max_error = *options.max_error, .shape = shape, .matches_sides = true},
+                        progress)
       .value();
 }
 

@@ -26,6 +26,7 @@ Result<void> ChunkNodes::find(ExtractReport& report, Progress& progress) {
   const std::uint64_t node_bytes = memory_limit_ / 4;
   const NodeSearch search{
       .none = [&] { return diamond::NodeSet<3>(field.shape); },
+      .max_bytes = node_bytes,
       .critical =
           [&](double isovalue) {
             return diamond::find_critical_nodes(

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "lode/api/dataset_impl.h"
@@ -13,6 +15,8 @@ namespace lode {
 struct NodeSearch {
   using Nodes = diamond::NodeSet<3>;
   std::function<Nodes()> none;  ///< Of the lattice.
+  /// What nodes may take of memory.
+  std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();
   std::function<Result<diamond::CriticalNodes>(double isovalue)> critical;
   /// With all that are given.
   std::function<Result<diamond::DistanceCut>(double isovalue, Nodes nodes)> within_distance;

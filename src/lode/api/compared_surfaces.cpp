@@ -103,17 +103,18 @@ Result<void> add_turning(const Surface& surface, const Surface& before, MayDrop 
   const auto is_wrong = [&](std::uint64_t n, std::uint64_t n_before) {
     return n > n_before + slack || (may_drop == MayDrop::no && n + slack < n_before);
   };
-  LODE_TRY(const double turned,
-           share_turned(surface, before, distance.value_or(mean_edge(before)), threads, progress));
+  LODE_TRY(const NearFacing near,
+           hold_against(surface, before, distance.value_or(mean_edge(before)), threads, progress));
   constexpr double kMost = 0.75;
-  const bool is_turned = turned > kMost || is_wrong(found.n_outward, wanted.n_outward) ||
+  const bool is_turned = near.share_turned > kMost || near.n_turned > 0 ||
+                         is_wrong(found.n_outward, wanted.n_outward) ||
                          is_wrong(found.n_inward, wanted.n_inward);
-  std::string detail =
-      fmt::format("{} closed ones face outward and {} inward, before {} and {}", found.n_outward,
-                  found.n_inward, wanted.n_outward, wanted.n_inward);
+  std::string detail = fmt::format(
+      "{} closed ones face outward and {} inward, before {} and {}; {:.1f} % of all faces another "
+      "way than what is near",
+      found.n_outward, found.n_inward, wanted.n_outward, wanted.n_inward, 100 * near.share_turned);
   if (found.n_open > 0)
-    detail += fmt::format("; of {} open ones {:.1f} % another way than what is near", found.n_open,
-                          100 * turned);
+    detail += fmt::format(", and {} of {} large open ones", near.n_turned, near.n_large_open);
   report.add("pieces face the way they did",
              found.n_outward + found.n_inward + found.n_flat + found.n_open, is_turned ? 1 : 0,
              std::move(detail));

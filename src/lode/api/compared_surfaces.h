@@ -33,8 +33,8 @@ void add_kept_pieces(const Surface& surface, const Surface& before, Threads thre
 enum class MayDrop : std::uint8_t { no, yes };
 
 /// Whether pieces of a simplified surface face as before, some of which it may have dropped: closed
-/// ones by their volumes, open ones, all together, by what is near. `distance`: that it was to
-/// keep; without one, edges say about how far it may be.
+/// ones by their volumes, large open ones, and all together, by what is near. `distance`: that it
+/// was to keep; without one, edges say about how far it may be.
 [[nodiscard]] Result<void> add_turning(const Surface& surface, const Surface& before,
                                        MayDrop may_drop, std::optional<double> distance,
                                        Threads threads, Progress& progress, VerifyReport& report);

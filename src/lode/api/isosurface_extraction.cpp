@@ -27,7 +27,7 @@ namespace {
 Result<void> close_surface(const FieldFacts& field, const ExtractOptions& options, Surface& surface,
                            ExtractReport& report) {
   const bool is_inside = field.first_sample >= options.isovalues.front();
-  if (surface.is_empty() && !is_inside) return {};
+  if (surface.is_empty() && !is_inside && !std::isnan(field.first_sample)) return {};
   if (field.has_removed_border_cell)
     return fail("closing at the border: expected no holes there, but the field has some");
   LODE_TRY(const auto caps,

@@ -113,16 +113,10 @@ void add_match(const Surface& expected, const Surface& surface, VerifyReport& re
 
 /// Repeats the query and compares it with every sample.
 template <int D>
-Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads,
-                     const ExpectedSurface& expected, Progress& progress, VerifyReport& report) {
-  const double tolerance = expected.tolerance;
+Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, double tolerance,
+                     const diamond::NodeSet<3>* wanted, Progress& progress, VerifyReport& report) {
   diamond::IsosurfaceQuery query{.isovalue = isovalue, .tolerance = tolerance, .threads = threads};
-  std::optional<diamond::CriticalNodes> critical;
-  if constexpr (D == 3)
-    if (expected.keeps_topology) {
-      LODE_TRY(critical, diamond::find_critical_nodes(model, {isovalue, 0, threads}, progress));
-      query.wanted = &critical->nodes;
-    }
+  if constexpr (D == 3) query.wanted = wanted;
   LODE_TRY(const auto cut, diamond::check_cut<D>(model, query, progress));
   const bool is_achieved = cut.achieved_error <= tolerance && cut.n_too_far == 0;
   report.add(fmt::format("F' within the achieved error at {}", isovalue), cut.n_active_samples,
@@ -132,6 +126,26 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads,
   report.add(fmt::format("no true surface outside the active simplices at {}", isovalue),
              cut.n_pruned_samples, cut.n_lost,
              cut.n_lost == 0 ? "" : fmt::format("{} simplices; {}", cut.n_lost, cut.worst));
+  return {};
+}
+
+/// Of all isovalues, which are of one cut where their topology is kept.
+template <int D>
+Result<void> add_cuts(const Model<D>& model, const ExpectedSurface& expected,
+                      const ExtractOptions& options, Progress& progress, VerifyReport& report) {
+  std::optional<diamond::NodeSet<3>> wanted;
+  if constexpr (D == 3)
+    if (expected.keeps_topology) {
+      wanted.emplace(model.shape);
+      for (const double isovalue : options.isovalues) {
+        LODE_TRY(const auto critical,
+                 diamond::find_critical_nodes(model, {isovalue, 0, options.threads}, progress));
+        wanted->join(critical.nodes);
+      }
+    }
+  for (const double isovalue : options.isovalues)
+    LODE_CHECK(add_cut(model, isovalue, options.threads, expected.tolerance,
+                       wanted ? &*wanted : nullptr, progress, report));
   return {};
 }
 
@@ -246,8 +260,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
                             expected.max_distance, options.threads, progress, report));
     return report;
   }
-  for (const double isovalue : options.isovalues)
-    LODE_CHECK(add_cut(model, isovalue, options.threads, expected, progress, report));
+  LODE_CHECK(add_cuts(model, expected, options, progress, report));
   return report;
 }
 

@@ -32,7 +32,8 @@ std::string describe_not_delaunay(const TinFacts& facts) {
 
 /// `vertices`: what they are to be; `worst`: where the largest error is.
 VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
-                       const std::string& worst, const char* vertices = "vertices are samples") {
+                       const std::string& worst, const char* vertices = "vertices are samples",
+                       bool matches_sides = false) {
   VerifyReport report;
   report.add(vertices, facts.n_vertices, facts.n_off_samples,
              facts.n_off_samples > 0 ? fmt::format("{} are not", facts.n_off_samples)
@@ -56,7 +57,7 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
   if (facts.n_lines > 0)
     report.add("lines are edges", facts.n_lines, facts.n_broken_lines,
                facts.n_broken_lines > 0 ? fmt::format("{} are broken", facts.n_broken_lines) : "");
-  if (facts.is_round && shape != TinShape::any)
+  if (facts.is_round && matches_sides)
     report.add("sides have the same vertices, as it goes round", facts.n_side_rows,
                facts.n_unmatched,
                facts.n_unmatched > 0 ? fmt::format("{} rows do not", facts.n_unmatched) : "");
@@ -127,7 +128,8 @@ Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surfa
                  .threads = options.threads},
                 progress));
   return to_report(facts, options.max_error, options.shape,
-                   fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y));
+                   fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y),
+                   "vertices are samples", options.matches_sides);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
 }

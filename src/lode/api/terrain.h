@@ -92,6 +92,9 @@ enum class TinShape : std::uint8_t { delaunay, tiles, any };
 struct TerrainVerifyOptions {
   double max_error = 0;
   TinShape shape = TinShape::delaunay;
+  /// Of a grid that is_round: its sides must have the same vertices, as those of the
+  /// delaunay_selector have.
+  bool matches_sides = false;
   Threads threads{};
 };
 

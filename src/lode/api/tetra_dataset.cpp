@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <map>
@@ -41,9 +42,16 @@ using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
 /// What making a surface or mesh of a cut takes at most, so that a deadline is kept, with the
-/// errors of its cells that are at hand: others may be on any page that has not been read.
-double finishing_seconds(const PackedHierarchy& hierarchy, std::uint64_t n_cells) {
-  return 1e-3 + 4e-7 * static_cast<double>(n_cells) + 1e-8 * hierarchy.head().n_vertices();
+/// errors of its cells that are at hand: others may be on any page that has not been read. Values
+/// of further fields are in as many pages as those of the measured one.
+double finishing_seconds(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
+                         std::uint64_t n_cells) {
+  std::uint32_t n_unread = 0;
+  const std::uint32_t n_pages = hierarchy.n_field_pages_loaded(fields.measured);
+  for (const std::size_t field : fields.along)
+    n_unread += n_pages - std::min(n_pages, hierarchy.n_field_pages_loaded(field));
+  return 1e-3 + 4e-7 * static_cast<double>(n_cells) + 1e-8 * hierarchy.head().n_vertices() +
+         4e-4 * n_unread;
 }
 
 /// What positions of surfaces are relative to: nothing, unless the mesh is so far away that float32
@@ -262,7 +270,9 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
   }
   TetraCut cut(*hierarchy, options.fields.measured);
   const auto errors = options.deadline_s ? CellErrors::at_hand : CellErrors::own;
-  const auto finishing = [&](std::uint64_t n) { return finishing_seconds(*hierarchy, n); };
+  const auto finishing = [&](std::uint64_t n) {
+    return finishing_seconds(*hierarchy, options.fields, n);
+  };
   const auto fill = [&](SimplexMesh& mesh) -> Ids {
     LODE_CHECK(cut.check());
     std::vector<std::uint32_t> ids = fill_mesh(*hierarchy, options.fields, cut, errors, mesh);

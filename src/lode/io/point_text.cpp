@@ -99,11 +99,15 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 enum class Separator : std::uint8_t { blank, comma, semicolon };
 
-/// Blanks beside a comma or semicolon belong to it.
+/// Blanks beside a comma or semicolon belong to it; what is in quotes separates nothing.
 Separator separator_of(std::string_view line) {
-  const std::size_t first = line.find_first_of(",;");
-  if (first == std::string_view::npos) return Separator::blank;
-  return line[first] == ',' ? Separator::comma : Separator::semicolon;
+  bool is_quoted = false;
+  for (const char c : line) {
+    if (c == '"') is_quoted = !is_quoted;
+    if (is_quoted || (c != ',' && c != ';')) continue;
+    return c == ',' ? Separator::comma : Separator::semicolon;
+  }
+  return Separator::blank;
 }
 
 void split_columns(std::string_view line, Separator separator,
@@ -117,7 +121,8 @@ void split_columns(std::string_view line, Separator separator,
   };
   for (;;) {
     std::size_t n = 0;
-    while (n < line.size() && !separates(line[n])) ++n;
+    for (bool is_quoted = false; n < line.size() && (is_quoted || !separates(line[n])); ++n)
+      if (line[n] == '"') is_quoted = !is_quoted;
     words.push_back(trimmed(line.substr(0, n)));
     if (n == line.size()) return;
     line = trimmed(line.substr(n + 1));

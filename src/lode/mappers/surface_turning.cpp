@@ -57,13 +57,11 @@ class TurningCheck {
   TurningCheck(const Surface& surface, const Surface& other, double reach)
       : surface_(surface), other_(other), facets_(facets()), grid_(facets_, reach), reach_(reach) {}
 
-  /// By triangle, its area, less than 0 where the nearest one faces the other way; 0 of those that
-  /// are not asked for.
-  [[nodiscard]] std::vector<double> votes(const std::vector<std::uint8_t>& is_asked,
-                                          Threads threads, const Progress& progress) const {
+  /// By triangle, twice its area, less than 0 where the nearest one faces the other way.
+  [[nodiscard]] std::vector<double> votes(Threads threads, const Progress& progress) const {
     std::vector<double> votes(surface_.triangles.size(), 0);
     parallel_for(votes.size(), threads, 1024, [&](std::size_t t, int) {
-      if (is_asked[t] == 0 || progress.is_cancelled()) return;
+      if (progress.is_cancelled()) return;
       const auto corners = corners_of(surface_, t, other_.origin);
       const Vec3d normal = normal_of(corners);
       const Vec3d middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3);
@@ -133,21 +131,38 @@ PieceFacing facing_of(const Surface& surface, Threads threads) {
   return facing;
 }
 
-Result<double> share_turned(const Surface& surface, const Surface& other, double reach,
-                            Threads threads, const Progress& progress) {
-  if (surface.triangles.empty() || other.triangles.empty()) return 0.0;
-  const std::vector<std::uint8_t> is_open = find_open(surface, find_pieces(surface), threads);
-  if (std::ranges::find(is_open, 1) == is_open.end()) return 0.0;
-  const std::vector<double> votes =
-      TurningCheck(surface, other, reach).votes(is_open, threads, progress);
+Result<NearFacing> hold_against(const Surface& surface, const Surface& other, double reach,
+                                Threads threads, const Progress& progress) {
+  NearFacing facing;
+  if (surface.triangles.empty() || other.triangles.empty()) return facing;
+  const std::vector<double> votes = TurningCheck(surface, other, reach).votes(threads, progress);
   if (progress.is_cancelled()) return cancelled_error();
-  double all = 0;
-  double turned = 0;
-  for (const double vote : votes) {
-    all += std::abs(vote);
-    if (vote < 0) turned -= vote;
+  struct Areas {
+    double all = 0;
+    double turned = 0;
+    void add(double vote) {
+      all += std::abs(vote);
+      if (vote < 0) turned -= vote;
+    }
+    [[nodiscard]] double share() const { return all > 0 ? turned / all : 0; }
+  };
+  const std::vector<std::uint32_t> piece = find_pieces(surface);
+  const std::vector<std::uint8_t> is_open = find_open(surface, piece, threads);
+  Areas whole;
+  std::vector<Areas> of_open(piece.size());
+  for (std::size_t t = 0; t < votes.size(); ++t) {
+    whole.add(votes[t]);
+    if (is_open[t] != 0) of_open[piece[surface.triangles[t][0]]].add(votes[t]);
   }
-  return all > 0 ? turned / all : 0;
+  facing.share_turned = whole.share();
+  constexpr double kLarge = 2 * 100;  // votes are twice the areas
+  constexpr double kMost = 0.75;
+  for (const Areas& areas : of_open) {
+    if (!(areas.all >= kLarge * reach * reach)) continue;
+    ++facing.n_large_open;
+    if (areas.share() > kMost) ++facing.n_turned;
+  }
+  return facing;
 }
 
 }  // namespace lode

@@ -19,11 +19,19 @@ struct PieceFacing {
 };
 [[nodiscard]] PieceFacing facing_of(const Surface& surface, Threads threads);
 
-/// The share of a surface's open pieces, by area, that face another way than the triangle of
-/// `other` that is nearest to each triangle's middle; 0 where there are no such pieces, or `other`
-/// is empty. `reach`: about how far the surfaces are from each other, world units, > 0. Fails when
-/// cancelled.
-[[nodiscard]] Result<double> share_turned(const Surface& surface, const Surface& other,
-                                          double reach, Threads threads, const Progress& progress);
+/// Which way a surface faces, held against another near it: each triangle against the one of the
+/// other that is nearest to its middle, which in noise need not be the one it came from.
+struct NearFacing {
+  double share_turned = 0;  ///< Of the area, facing another way.
+  std::uint64_t n_large_open =
+      0;                       ///< Open pieces of an area of a hundred reaches squared, or more;
+  std::uint64_t n_turned = 0;  ///< of them, those of which three quarters face another way.
+};
+
+/// `reach`: about how far the surfaces are from each other, world units, > 0. Nothing where either
+/// is empty. Fails when cancelled.
+[[nodiscard]] Result<NearFacing> hold_against(const Surface& surface, const Surface& other,
+                                              double reach, Threads threads,
+                                              const Progress& progress);
 
 }  // namespace lode
