@@ -167,10 +167,12 @@ TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
             std::to_string(-(i % 7) * 10) + '\n';
   write_bytes(scratch_ / "sea.xyz", text);
   write_bytes(scratch_ / "part.csv", "x,y\n10.002,50.005\n10.105,50.005\n10.105,50.108\n");
-  const auto json =
-      run_lode({"extract", scratch_ / "sea.xyz", scratch_ / "sea.ply", "--outline",
-                scratch_ / "part.csv", "--crs", "EPSG:4326", "--max-error", "0", "--json"})
-          .json();
+  const auto extracted = [&](const char* outline) {
+    return run_lode({"extract", scratch_ / "sea.xyz", scratch_ / "sea.ply", "--outline",
+                     scratch_ / outline, "--crs", "EPSG:4326", "--max-error", "0", "--json"})
+        .json();
+  };
+  const auto json = extracted("part.csv");
   EXPECT_EQ(json.at("positions"), 55);
   EXPECT_EQ(json.at("left_out").at("outside_outline"), 345);
   EXPECT_EQ(json.at("vertices"), 55);
@@ -179,11 +181,7 @@ TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
   EXPECT_NE(json.at("crs").get<std::string>().find("WGS 84"), std::string::npos);
   // Longitudes a turn away are the same places.
   write_bytes(scratch_ / "turned.csv", "x,y\n370.002,50.005\n370.105,50.005\n370.105,50.108\n");
-  const auto turned =
-      run_lode({"extract", scratch_ / "sea.xyz", scratch_ / "sea.ply", "--outline",
-                scratch_ / "turned.csv", "--crs", "EPSG:4326", "--max-error", "0", "--json"})
-          .json();
-  EXPECT_EQ(turned.at("positions"), 55);
+  EXPECT_EQ(extracted("turned.csv").at("positions"), 55);
 }
 
 TEST_F(cli_points, takes_outlines_of_geojson_with_holes_in_their_own_crs) {

@@ -7,7 +7,7 @@
 
 namespace lode {
 
-NodesOfIsovalue ChunkNodes::begin(ExtractReport& report, Progress& progress) {
+WantedNodes ChunkNodes::begin(ExtractReport& report, Progress& progress) {
   begin_topology(options_, report);
   if (options_.max_distance)
     report.distance =
@@ -15,7 +15,7 @@ NodesOfIsovalue ChunkNodes::begin(ExtractReport& report, Progress& progress) {
   const bool is_searched = (report.topology && report.topology->is_searched) ||
                            (options_.max_distance && report.max_error > 0);
   if (!is_searched) return {};
-  return [this, &report, &progress](double) -> Result<const diamond::NodeSet<3>*> {
+  return [this, &report, &progress]() -> Result<const diamond::NodeSet<3>*> {
     if (!nodes_) LODE_CHECK(find(report, progress));
     return &*nodes_;
   };

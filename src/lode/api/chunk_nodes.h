@@ -20,7 +20,7 @@ class ChunkNodes {
 
   /// Begins what the report says of surfaces within its max_error, and says where their nodes come
   /// from; nowhere if none are wanted.
-  [[nodiscard]] NodesOfIsovalue begin(ExtractReport& report, Progress& progress);
+  [[nodiscard]] WantedNodes begin(ExtractReport& report, Progress& progress);
 
  private:
   [[nodiscard]] Result<void> find(ExtractReport& report, Progress& progress);

@@ -54,7 +54,7 @@ Result<void> add_near_nodes(const ExtractOptions& options, const NodeSearch& sea
     cut.report.lost_size = std::max(cut.report.lost_size, found[i].lost_size);
     found[i] = cut.report;
   }
-  for (const diamond::DistanceCutReport& one : found) add_distance(one, 0, report);
+  for (const diamond::DistanceCutReport& one : found) add_distance(one, report);
   report.seconds.distance += watch.seconds();
   return {};
 }

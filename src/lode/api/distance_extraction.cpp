@@ -5,7 +5,7 @@
 
 namespace lode {
 
-void add_distance(const diamond::DistanceCutReport& found, double seconds, ExtractReport& report) {
+void add_distance(const diamond::DistanceCutReport& found, ExtractReport& report) {
   DistanceReport& distance = *report.distance;
   distance.proven_distance = std::max(distance.proven_distance, found.proven);
   distance.rounds += found.n_rounds;
@@ -13,7 +13,6 @@ void add_distance(const diamond::DistanceCutReport& found, double seconds, Extra
   distance.full_triangles += found.n_full_triangles;
   distance.lost_triangles += found.n_lost;
   distance.lost_size = std::max(distance.lost_size, found.lost_size);
-  report.seconds.distance += seconds;
 }
 
 Result<void> check_max_distance(const ExtractOptions& options) {

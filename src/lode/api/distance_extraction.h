@@ -9,6 +9,6 @@ namespace lode {
 [[nodiscard]] Result<void> check_max_distance(const ExtractOptions& options);
 
 /// Adds how one surface's distance was kept to report.distance, which is there.
-void add_distance(const diamond::DistanceCutReport& found, double seconds, ExtractReport& report);
+void add_distance(const diamond::DistanceCutReport& found, ExtractReport& report);
 
 }  // namespace lode

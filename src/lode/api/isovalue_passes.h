@@ -71,24 +71,23 @@ Result<void> pass_on(std::span<const double> isovalues, HeldSurfaces& held, Surf
   return {};
 }
 
-/// The nodes that an isovalue's surface wants refined whatever their error, until it is asked for
-/// the next one's.
-using NodesOfIsovalue = std::function<Result<const diamond::NodeSet<3>*>(double isovalue)>;
+/// The nodes that all surfaces want refined whatever their error.
+using WantedNodes = std::function<Result<const diamond::NodeSet<3>*>()>;
 
 /// extract_from_file() of all isovalues, in their order: before(isovalue) and after(isovalue) come
 /// round each surface, of which the first of a pass goes straight to the sink and others wait.
 /// These, and their parts, are to take max_bytes of memory; what does not fit is left to another
-/// pass, and where none fits each has its own, as where nodes_of, which may be empty, is asked.
+/// pass, and where none fits each has its own, as where there are wanted_nodes, which may be empty.
 template <int D, typename Before, typename After>
 Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCache& blocks,
                             const ExtractOptions& options, std::uint64_t max_bytes,
                             SurfaceSink& sink, ExtractReport& report, const Before& before,
-                            const After& after, const NodesOfIsovalue& nodes_of, Progress& progress,
+                            const After& after, const WantedNodes& wanted_nodes, Progress& progress,
                             const diamond::SeePart<D>& see_part = {}) {
   std::span<const double> left = options.isovalues;
   std::uint64_t bytes_each = guessed_bytes(field);
   while (!left.empty()) {
-    const std::uint64_t n_beside = nodes_of ? 0 : max_bytes / bytes_each;
+    const std::uint64_t n_beside = wanted_nodes ? 0 : max_bytes / bytes_each;
     const auto some = left.first(std::min<std::uint64_t>(left.size(), 1 + n_beside));
     const auto isovalues = diamond::IsovalueList::of(some);
     std::vector<std::size_t> place(some.size());  // in `some`, by number
@@ -96,8 +95,8 @@ Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCa
     HeldSurfaces held(some.size() - 1, max_bytes);
     before(some[0]);
     auto query = query_of<D>(some[0], options, report);
-    if (nodes_of) {
-      LODE_TRY(query.wanted, nodes_of(some[0]));
+    if (wanted_nodes) {
+      LODE_TRY(query.wanted, wanted_nodes());
     }
     LODE_TRY(const auto part, diamond::extract_from_file<D>(
                                   field, blocks, isovalues, query,
