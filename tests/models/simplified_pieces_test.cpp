@@ -62,8 +62,8 @@ void simplify_by_pieces(const std::string& lode, const char* extension, ExtractO
   options.memory_limit = dataset->impl().chunk_bytes();
   options.threads = threads;
   ASSERT_LT(options.memory_limit, dataset->impl().model_bytes());
-  ASSERT_TRUE(dataset->comes_in_pieces(options).value());
   Progress progress;
+  ASSERT_TRUE(dataset->comes_in_pieces(options, progress).value());
   const auto report = extract_to_file(
       *dataset, options, out, [](const ExtractReport&) { return SurfaceWriteOptions{}; }, progress);
   ASSERT_TRUE(report) << report.error().message;
@@ -225,6 +225,21 @@ TEST(simplified_pieces, are_the_same_for_any_number_of_threads) {
   }
 }
 
+TEST(simplified_pieces, come_where_the_model_fits_and_simplifying_all_of_it_does_not) {
+  const TestPath path("fits.lode");
+  const std::string lode = stored(path, noisy_waves(grid_of({{800, 24, 20}})));
+  const auto dataset = Dataset::open(lode, {1});
+  ASSERT_TRUE(dataset);
+  Progress progress;
+  ExtractOptions options = within_distance();
+  options.memory_limit = dataset->impl().model_bytes() + 1'000'000;
+  EXPECT_TRUE(dataset->comes_in_pieces(options, progress).value());
+  EXPECT_TRUE(dataset->comes_in_pieces(options, progress).value()) << "nor when asked again";
+  EXPECT_TRUE(dataset->impl().is_in_file()) << "the model was let go of";
+  options.memory_limit = std::uint64_t{1} << 32;
+  EXPECT_FALSE(dataset->comes_in_pieces(options, progress).value());
+}
+
 TEST(simplified_pieces, are_of_one_isovalue_in_frames_like_the_worlds) {
   const TestPath path("refused.lode");
   RegularGrid grid = grid_of({{800, 24, 20}});
@@ -233,7 +248,8 @@ TEST(simplified_pieces, are_of_one_isovalue_in_frames_like_the_worlds) {
     const auto dataset = Dataset::open(lode, {1});
     ExtractOptions limited = options;
     limited.memory_limit = dataset->impl().chunk_bytes();
-    return dataset->comes_in_pieces(limited);
+    Progress progress;
+    return dataset->comes_in_pieces(limited, progress);
   };
   const auto comes_in_pieces = [&](const ExtractOptions& options) { return ask(options).value(); };
   const ExtractOptions options = within_distance();

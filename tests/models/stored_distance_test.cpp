@@ -95,6 +95,32 @@ TEST(stored_distance, is_kept_by_noise) {
                       oracles::trials(205.5, 190.5), {1.2});
 }
 
+TEST(stored_distance, is_looked_for_in_windows_where_only_the_model_fits) {
+  const TestPath path("fits.lode");
+  const std::string lode = stored(path, spotted_hills({{800, 40, 32}}, 3));
+  ExtractOptions options{.isovalues = {120.5}};
+  options.max_distance = 1.2;
+  options.normals = Normals::off;
+  Progress progress;
+  const auto extract = [&](const Dataset& dataset, std::uint64_t limit) {
+    options.memory_limit = limit;
+    Surface surface;
+    return dataset.extract(options, surface, progress).value().distance.value();
+  };
+  const auto dataset = Dataset::open(lode, {2});
+  ASSERT_TRUE(dataset);
+  const std::uint64_t model = dataset->impl().model_bytes();
+  const DistanceReport in_windows = extract(*dataset, model + 1'000'000);
+  EXPECT_EQ(in_windows.memory_limit, model + 1'000'000);
+  EXPECT_TRUE(dataset->impl().is_in_file());
+  const std::uint64_t enough = model + 205 * in_windows.full_triangles + 1;
+  const DistanceReport too_tight = extract(*dataset, enough - 2);
+  EXPECT_EQ(too_tight.memory_limit, enough - 2);
+  const DistanceReport in_memory = extract(*dataset, enough);
+  EXPECT_EQ(in_memory.memory_limit, 0U) << "all in memory";
+  EXPECT_FALSE(dataset->impl().is_in_file());
+}
+
 TEST(stored_distance, is_kept_between_holes) {
   Volume volume = spotted_hills(several_chunks(), 3);
   volume.info.nodata = 7;

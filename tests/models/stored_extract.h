@@ -22,7 +22,7 @@ inline void extract_stored(const std::string& lode, ExtractOptions options, bool
   if (is_limited) {
     options.memory_limit = dataset->impl().chunk_bytes();
     ASSERT_LT(options.memory_limit, dataset->impl().model_bytes());
-    ASSERT_TRUE(dataset->comes_in_pieces(options).value());
+    ASSERT_TRUE(dataset->comes_in_pieces(options, progress).value());
   } else {
     ASSERT_TRUE(dataset->impl().model(progress));
   }

@@ -50,13 +50,13 @@ void expect_same_bytes(const std::string& lode, const PiecesCase& c, double tole
   Progress progress;
   const auto closed = Dataset::open(lode, {2});
   ASSERT_TRUE(closed);
-  ASSERT_TRUE(closed->comes_in_pieces(options).value());
+  ASSERT_TRUE(closed->comes_in_pieces(options, progress).value());
   const auto report = extract_to_file(*closed, options, streamed, note, progress);
   ASSERT_TRUE(report) << report.error().message;
 
   const auto loaded = Dataset::open(lode, {2});
   ASSERT_TRUE(loaded && loaded->load(progress));
-  ASSERT_FALSE(loaded->comes_in_pieces(options).value());
+  ASSERT_FALSE(loaded->comes_in_pieces(options, progress).value());
   Surface surface;
   const auto expected = loaded->extract(options, surface, progress);
   ASSERT_TRUE(expected) << expected.error().message;
@@ -195,11 +195,11 @@ TEST(surface_pieces, that_an_edit_needs_together_come_as_one) {
   ASSERT_TRUE(dataset);
   ExtractOptions options{.isovalues = {120.5}, .max_error = 1};
   options.min_component = 100;
-  EXPECT_FALSE(dataset->comes_in_pieces(options).value());
+  Progress progress;
+  EXPECT_FALSE(dataset->comes_in_pieces(options, progress).value());
   Surface expected;
   Surface got;
   SurfaceCollector collector(got);
-  Progress progress;
   ASSERT_TRUE(dataset->extract(options, expected, progress));
   ASSERT_TRUE(dataset->extract(options, collector, progress));
   EXPECT_TRUE(got.positions == expected.positions && got.triangles == expected.triangles);

@@ -245,7 +245,8 @@ class Dataset {
                                               Progress& progress) const;
   /// Whether the model stays in its file and no edit (clip, closed border, dropped components)
   /// needs the whole surface.
-  [[nodiscard]] Result<bool> comes_in_pieces(const ExtractOptions& options) const;
+  [[nodiscard]] Result<bool> comes_in_pieces(const ExtractOptions& options,
+                                             Progress& progress) const;
 
   /// The sizes of many isovalues' surfaces in the style of tetrahedra, without making any of them:
   /// exactly what extract() gives of each alone, but for all of them in one pass.

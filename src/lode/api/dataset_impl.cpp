@@ -1,5 +1,9 @@
 #include "lode/api/dataset_impl.h"
 
+#include <algorithm>
+
+#include "lode/models/diamond/isovalue_counts.h"
+
 namespace lode {
 
 Dataset::Impl::Impl(AnyModel built, std::optional<SalvageReport> salvaged)
@@ -20,19 +24,52 @@ Dataset::Impl::Impl(store::Reader reader, diamond::Metadata metadata, Threads th
       threads_(threads),
       reader_(std::move(reader)) {}
 
+Result<Dataset::Impl::AnyModel> Dataset::Impl::load(Progress& progress) const {
+  if (is_flat_) {
+    LODE_TRY(auto loaded, diamond::load<2>(*reader_, threads_, progress));
+    return AnyModel(std::move(loaded));
+  }
+  LODE_TRY(auto loaded, diamond::load<3>(*reader_, threads_, progress));
+  return AnyModel(std::move(loaded));
+}
+
 Result<const Dataset::Impl::AnyModel*> Dataset::Impl::model(Progress& progress) const {
   const std::lock_guard lock(mutex_);
   if (!model_) {
-    if (is_flat_) {
-      LODE_TRY(auto loaded, diamond::load<2>(*reader_, threads_, progress));
-      model_ = std::move(loaded);
-    } else {
-      LODE_TRY(auto loaded, diamond::load<3>(*reader_, threads_, progress));
-      model_ = std::move(loaded);
-    }
+    LODE_TRY(model_, load(progress));
     is_in_memory_ = true;
   }
   return &*model_;
+}
+
+Result<std::uint64_t> Dataset::Impl::bytes_with_triangles(std::span<const double> isovalues,
+                                                          double bytes_per_triangle,
+                                                          std::uint64_t limit,
+                                                          Progress& progress) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<double> sorted(isovalues.begin(), isovalues.end());
+  std::ranges::sort(sorted);
+  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  const auto all = [&] {
+    return model_bytes() +
+           static_cast<std::uint64_t>(bytes_per_triangle * static_cast<double>(counted_.n));
+  };
+  const bool is_known = counted_.isovalues == sorted;
+  if (is_flat_ || (is_known && (model_ || all() > limit))) return all();
+  std::optional<AnyModel> loaded;
+  if (!model_) {
+    LODE_TRY(loaded, load(progress));
+  }
+  const auto& model = std::get<diamond::Model<3>>(model_ ? *model_ : *loaded);
+  LODE_TRY(const auto counts,
+           diamond::count_isosurfaces<3>(model, {sorted, 0, threads_}, progress));
+  counted_ = {.isovalues = std::move(sorted), .n = 0};
+  for (const diamond::SurfaceCounts& count : counts) counted_.n += count.cells;
+  if (loaded && all() <= limit) {
+    model_ = std::move(loaded);
+    is_in_memory_ = true;
+  }
+  return all();
 }
 
 Result<const Dataset::Impl::AnyPages*> Dataset::Impl::pages(Progress& progress) const {

@@ -4,8 +4,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "lode/api/dataset.h"
 #include "lode/api/salvage.h"
@@ -59,6 +61,13 @@ class Dataset::Impl {
   [[nodiscard]] bool is_in_file() const { return !is_in_memory_; }
   /// About what model() takes.
   [[nodiscard]] std::uint64_t model_bytes() const;
+  /// What model() takes, and so many bytes for each triangle of these isosurfaces at full
+  /// resolution. To count those it loads the model of a file, and keeps it where all of that is
+  /// within the limit.
+  [[nodiscard]] Result<std::uint64_t> bytes_with_triangles(std::span<const double> isovalues,
+                                                           double bytes_per_triangle,
+                                                           std::uint64_t limit,
+                                                           Progress& progress) const;
   /// The least limit that extracting chunk by chunk keeps, the surface aside.
   [[nodiscard]] std::uint64_t chunk_bytes() const;
   /// Of the model in memory: found when first asked for, on all cores.
@@ -66,6 +75,13 @@ class Dataset::Impl {
       Progress& progress) const;
 
  private:
+  /// Triangles of isosurfaces at full resolution, together.
+  struct Counted {
+    std::vector<double> isovalues;
+    std::uint64_t n = 0;
+  };
+  [[nodiscard]] Result<AnyModel> load(Progress& progress) const;
+
   bool is_flat_;
   diamond::Metadata metadata_;
   std::optional<diamond::StoredBytes> stored_;
@@ -74,6 +90,7 @@ class Dataset::Impl {
   std::optional<store::Reader> reader_;
   mutable std::mutex mutex_;
   mutable std::optional<AnyModel> model_;
+  mutable Counted counted_;  ///< When this was last asked for.
   mutable std::atomic<bool> is_in_memory_{false};
   mutable std::mutex pages_mutex_;
   mutable std::optional<AnyPages> pages_;

@@ -82,7 +82,7 @@ Result<ExtractReport> extract_to_file(
     const Dataset& dataset, const ExtractOptions& options, const std::string& path,
     const std::function<SurfaceWriteOptions(const ExtractReport&)>& note, Progress& progress) try {
   const Stopwatch all;
-  LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options));
+  LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options, progress));
   if (comes_in_pieces && io::can_stream(path)) {
     const std::uint64_t limit =
         options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;

@@ -188,13 +188,41 @@ const char* need_of_whole_model(const ExtractOptions& options, const RegularGrid
   return nullptr;
 }
 
-Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
+/// What it takes beside the model in memory, for each triangle of full resolution in the style of
+/// tetrahedra: finding nodes within a distance, or simplifying.
+double bytes_per_triangle(const ExtractOptions& options, double tolerance) {
+  constexpr double kFull = 75;  // as of find_distance_cut(), of whose cut no more are known
+  constexpr double kCut = 130;
+  constexpr double kSimplified = 160;  // 3.3 million took 0.52 GB
+  constexpr double kShareOfCubes = 0.4;
+  double bytes = options.max_distance && tolerance > 0 ? kFull + kCut : 0;
+  if (options.simplify != Simplify::off)
+    bytes = std::max(
+        bytes, options.style == SurfaceStyle::cubes ? kShareOfCubes * kSimplified : kSimplified);
+  return bytes;
+}
+
+/// What a file's model, and what the options take beside it, come to in memory; where the model
+/// alone is beyond the limit, that.
+Result<std::uint64_t> bytes_of_whole(const Dataset::Impl& impl, const ExtractOptions& options,
+                                     double tolerance, Progress& progress) {
+  const std::uint64_t limit = memory_limit_of(options);
+  const std::uint64_t model = impl.model_bytes();
+  const double bytes = bytes_per_triangle(options, tolerance);
+  if (bytes == 0 || model > limit || !impl.is_in_file()) return model;
+  return impl.bytes_with_triangles(options.isovalues, bytes, limit, progress);
+}
+
+Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options,
+                                    Progress& progress) {
   LODE_CHECK(check_extraction(impl, options));
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
   const char* const need = need_of_whole_model(options, impl.info().grid, plan.report.max_error);
   const std::uint64_t limit = memory_limit_of(options);
-  const bool is_too_large = impl.model_bytes() > limit;
+  LODE_TRY(const std::uint64_t whole,
+           bytes_of_whole(impl, options, plan.report.max_error, progress));
+  const bool is_too_large = whole > limit;
   // Whether holes open the border is asked of all samples.
   const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
   if (!asks_all) {
@@ -213,12 +241,12 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   if (need != nullptr && plan.chunks != nullptr)
     return fail(
         "{}: expected a memory limit of at least {} MB, as it needs the whole model, got {} MB",
-        need, impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+        need, whole / 1'000'000 + 1, limit / 1'000'000);
   if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
     return fail(
         "expected a memory limit of at least {} MB to close the surface of a field with holes, got "
         "{} MB",
-        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+        whole / 1'000'000 + 1, limit / 1'000'000);
   return plan;
 }
 
@@ -227,7 +255,7 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
                                        Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
+  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options, progress));
   ExtractReport& report = plan.report;
   const diamond::Model<3>* model = nullptr;
   if (plan.chunks == nullptr && options.simplify != Simplify::off) {
@@ -263,8 +291,8 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   return out_of_memory("extract the surface");
 }
 
-Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
-  LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
+Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options, Progress& progress) const try {
+  LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options, progress));
   return plan.chunks != nullptr &&
          is_edited_by_piece(options, impl_->info().grid, plan.report.max_error);
 } catch (const std::bad_alloc&) {
@@ -274,7 +302,7 @@ Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSink& surface,
                                        Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
+  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options, progress));
   ExtractReport& report = plan.report;
   if (plan.chunks != nullptr && is_edited_by_piece(options, impl_->info().grid, report.max_error)) {
     const store::ReadCounts before = impl_->reads();
