@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lode/core/parallel.h"
+#include "lode/core/surface.h"
 #include "lode/core/uninitialized_array.h"
 #include "lode/core/vec.h"
 
@@ -54,6 +55,13 @@ struct CollapseMesh {
     return v;
   }
 };
+
+/// Of a surface's triangles, of which there is one: of about 100,000 of them.
+[[nodiscard]] double mean_area(const Surface& surface);
+/// That nothing has collapsed in, and no vertex is attached in. O(n).
+[[nodiscard]] CollapseMesh make_mesh(const Surface& surface, Threads threads);
+/// Attaches vertices of triangles that are attached to none yet: to the first of these.
+void attach_rest(std::span<const std::uint32_t> triangles, CollapseMesh& mesh);
 
 [[nodiscard]] inline std::array<Vec3f, 3> corners(const CollapseMesh& mesh,
                                                   std::uint32_t triangle) {

@@ -18,6 +18,7 @@
 #include "lode/mappers/collapse_partition.h"
 #include "lode/mappers/collapse_proof.h"
 #include "lode/mappers/collapse_undo.h"
+#include "lode/mappers/collapse_units.h"
 
 namespace lode {
 namespace simplification {
@@ -39,56 +40,6 @@ constexpr std::array<Round, 1> kLaterRounds{{{2, 1}}};
 /// How far attached vertices may be, of the distance allowed: what lies between them may be
 /// farther. On bonsai at one voxel, 0.9 leaves fewer triangles than 1 and takes half the undoing.
 constexpr double kReach = 0.9;
-
-double mean_area(const Surface& surface) {
-  double sum = 0;
-  const std::size_t n = surface.triangles.size();
-  const std::size_t step = n / 100'000 + 1;  // of those it is known well enough
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < n; i += step, ++count) {
-    const auto& t = surface.triangles[i];
-    const Vec3d a = widened(surface.positions[t[0]]);
-    sum += 0.5 * length(cross(widened(surface.positions[t[1]]) - a,
-                              widened(surface.positions[t[2]]) - a));
-  }
-  return sum / static_cast<double>(count);
-}
-
-CollapseMesh make_mesh(const Surface& surface, Threads threads) {
-  CollapseMesh mesh;
-  const std::size_t n = surface.positions.size();
-  mesh.positions.resize(n);
-  mesh.next_point.resize(n);
-  mesh.attached_to.resize(n);
-  mesh.last.resize(n);
-  mesh.triangles.resize(surface.triangles.size());
-  mesh.collapses.reserve(2 * surface.triangles.size());  // only what is used comes into memory
-  constexpr std::size_t kCopied = 1 << 16;
-  parallel_for((n + kCopied - 1) / kCopied, threads, 1, [&](std::size_t chunk, int) {
-    for (std::size_t v = chunk * kCopied; v < std::min(n, (chunk + 1) * kCopied); ++v) {
-      mesh.positions[v] = surface.positions[v];
-      mesh.attached_to[v] = kNone;
-      mesh.last[v] = kNone;
-    }
-  });
-  const std::size_t n_triangles = surface.triangles.size();
-  parallel_for((n_triangles + kCopied - 1) / kCopied, threads, 1, [&](std::size_t chunk, int) {
-    for (std::size_t t = chunk * kCopied; t < std::min(n_triangles, (chunk + 1) * kCopied); ++t)
-      mesh.triangles[t] = {surface.triangles[t], kNone};
-  });
-  return mesh;
-}
-
-/// Attaches vertices that are in no block.
-void attach_rest(std::span<const std::uint32_t> triangles, CollapseMesh& mesh) {
-  for (const std::uint32_t t : triangles)
-    for (const std::uint32_t v : mesh.triangles[t].v) {
-      if (mesh.attached_to[v] != kNone) continue;
-      mesh.attached_to[v] = t;
-      mesh.next_point[v] = mesh.triangles[t].points;
-      mesh.triangles[t].points = v;
-    }
-}
 
 class Simplifier {
  public:
@@ -347,68 +298,6 @@ void Simplifier::finish() {
   surface_.triangles.resize(n_triangles);
   if (numbers_ != nullptr) *numbers_ = std::move(number);
 }
-
-/// Brings edges of a surface to a length of about 1 for as long as this is there, so that no sum of
-/// products of them leaves the range of float32. By a power of two, which rounds nothing but what
-/// is below 1e-38 of an edge.
-class UnitEdges {
- public:
-  explicit UnitEdges(Surface& surface) : surface_(surface) {
-    const double edge = std::sqrt(mean_area(surface));
-    if (edge > 0 && std::isfinite(edge)) exponent_ = -std::ilogb(edge);
-    scale(exponent_);
-  }
-  UnitEdges(const UnitEdges&) = delete;
-  UnitEdges& operator=(const UnitEdges&) = delete;
-  ~UnitEdges() { scale(-exponent_); }
-
-  [[nodiscard]] double to_units(double length) const { return std::ldexp(length, exponent_); }
-  [[nodiscard]] double from_units(double length) const { return std::ldexp(length, -exponent_); }
-
- private:
-  void scale(int exponent) {
-    if (exponent == 0) return;
-    constexpr int kMost = 126;  // 2^126 and its inverse are normal numbers
-    for (; exponent > kMost; exponent -= kMost) multiply(std::ldexp(1.0F, kMost));
-    for (; exponent < -kMost; exponent += kMost) multiply(std::ldexp(1.0F, -kMost));
-    multiply(std::ldexp(1.0F, exponent));
-  }
-  void multiply(float factor) {
-    for (Vec3f& p : surface_.positions) p = p * factor;
-  }
-
-  Surface& surface_;
-  int exponent_ = 0;
-};
-
-/// A band for positions that were brought to other units.
-class ScaledBand final : public SurfaceBand {
- public:
-  /// `unit`: of the positions, in those of `band`; a power of two.
-  ScaledBand(const SurfaceBand& band, double unit) : band_(band), unit_(unit) {}
-
-  [[nodiscard]] double limit() const override { return band_.limit(); }
-  [[nodiscard]] Vec3d own_coordinates(const Vec3d& position) const override {
-    return band_.own_coordinates(position * unit_);
-  }
-  [[nodiscard]] unsigned border_planes(const Vec3d& point) const override {
-    return band_.border_planes(point);
-  }
-  [[nodiscard]] bool may_hold_fixed(const std::array<Vec3d, 4>& tetrahedron) const override {
-    return band_.may_hold_fixed(tetrahedron);
-  }
-  [[nodiscard]] bool seems_within(const Vec3d& apex,
-                                  std::span<const std::array<Vec3d, 2>> fan) const override {
-    return band_.seems_within(apex, fan);
-  }
-  [[nodiscard]] double largest_deviation(const std::array<Vec3d, 3>& triangle) const override {
-    return band_.largest_deviation(triangle);
-  }
-
- private:
-  const SurfaceBand& band_;
-  double unit_;
-};
 
 Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options,
                                 std::vector<std::uint32_t>* numbers, Progress& progress) {
