@@ -54,14 +54,36 @@ void add_patches(const std::vector<BoundaryPatch>& patches, Table& table, Json& 
   json["patches"] = std::move(list);
 }
 
-void add_regions(const std::vector<std::int64_t>& regions, Table& table) {
-  if (regions.size() < 2) return;
-  std::string ids;
-  for (std::size_t i = 0; i < std::min(regions.size(), kMostPatchRows); ++i)
-    ids += fmt::format("{}{}", i == 0 ? "" : ", ", regions[i]);
-  if (regions.size() > kMostPatchRows)
-    ids += fmt::format(" and {} more", format_count(regions.size() - kMostPatchRows));
-  table.add({"regions", std::move(ids)});
+/// Regions with names have a row each, as patches; others one between them.
+void add_regions(const std::vector<MeshRegion>& regions, Table& table, Json& json) {
+  Json ids = Json::array();
+  Json names = Json::array();
+  std::string unnamed;
+  std::size_t n_shown = 0;
+  for (const MeshRegion& region : regions) {
+    ids.push_back(region.id);
+    names.push_back(region.name);
+    if (n_shown++ >= kMostPatchRows) continue;
+    if (region.name.empty())
+      unnamed += fmt::format("{}{}", unnamed.empty() ? "" : ", ", region.id);
+    else
+      table.add({"region", fmt::format("{} ({})", region.name, region.id)});
+  }
+  const std::string more =
+      n_shown <= kMostPatchRows ? "" : format_count(n_shown - kMostPatchRows) + " more";
+  if (!more.empty()) unnamed += unnamed.empty() ? more : " and " + more;
+  if (regions.size() > 1 && !unnamed.empty()) table.add({"regions", std::move(unnamed)});
+  json["regions"] = std::move(ids);
+  json["region_names"] = std::move(names);
+}
+
+/// Of a mesh that is no model yet.
+std::vector<MeshRegion> regions_of_mesh(const TetraMesh& mesh) {
+  std::vector<MeshRegion> regions;
+  for (std::size_t i = 0; i < mesh.region_ids.size(); ++i)
+    regions.push_back(
+        {mesh.region_ids[i], mesh.region_names.empty() ? std::string() : mesh.region_names[i]});
+  return regions;
 }
 
 void add_info(const TetraInfo& info, Table& table, Json& json) {
@@ -71,8 +93,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["vertices"] = info.n_vertices;
   json["nodes"] = info.n_nodes;
   json["base_cells"] = info.n_base_cells;
-  json["regions"] = info.regions;
-  add_regions(info.regions, table);
+  add_regions(info.regions, table, json);
   add_patches(info.patches, table, json);
   json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
@@ -127,10 +148,9 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   json["tetrahedra"] = made.mesh.tetrahedra.size();
-  json["regions"] = made.mesh.region_ids;
   table.add({"as tetrahedra", format_count(made.mesh.tetrahedra.size())});
   add_patches(made.mesh.patches, table, json);
-  add_regions(made.mesh.region_ids, table);
+  add_regions(regions_of_mesh(made.mesh), table, json);
   add_cell_counts(made.report, table, json["reading"]);
   outcome.text = table.to_string();
   return outcome;

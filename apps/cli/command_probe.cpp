@@ -130,6 +130,9 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
     job.points.insert(job.points.end(), more.begin(), more.end());
   }
   LODE_TRY(const TetraInput input, open_tetra_input(arguments.input, arguments.reading, session));
+  auto regions = find_regions(input.dataset.describe(), arguments.regions);
+  if (!regions) return fail("{}: {}", arguments.input, regions.error().message);
+  job.integral.regions = std::move(*regions);
   job.options.field = job.integral.field = input.fields.measured;
   const TetraFieldInfo& field = input.field();
   set_share(arguments.max_error, field.range_min, field.range_max, job.options.max_error);
@@ -173,7 +176,7 @@ Command add_probe_command(CLI::App& program) {
       "  lode probe wing.lode --points sensors.csv -o values.csv\n"
       "  lode probe wing.lode --line 0,0,0:10,0,0 --max-error 0.01\n"
       "  lode probe wing.lode --integral --box 0,1,0,1,0,2\n"
-      "  lode probe wing.vtu --integral --region 4 --json");
+      "  lode probe wing.vtu --integral --region rotor --json");
   app->add_option("file", arguments->input, ".lode file, or a mesh to build in memory")
       ->type_name("FILE")
       ->required();

@@ -169,7 +169,6 @@ Result<TetraJob> section_job(const MeshJob& job) {
   made.sections.field_ranges = one.field_ranges;
   made.sections.max_error = one.max_error;
   made.sections.budget = one.budget;
-  LODE_TRY(made.sections.regions, to_regions(job.query));
   LODE_TRY(made.sections.deadline_s, to_deadline(job.query));
   made.is_default = !one.max_error;
   return made;
@@ -200,16 +199,13 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   LODE_TRY(const auto deadline_s, to_deadline(job.query));
   TetraJob made;
   LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
-  LODE_TRY(const auto regions, to_regions(job.query));
   made.surface = {.query = options.query,
                   .deadline_s = deadline_s,
                   .normals = surface.normals,
-                  .regions = regions,
                   .threads = threads};
   made.mesh = {.query = options.query,
                .deadline_s = deadline_s,
                .threshold = {},
-               .regions = regions,
                .patches = job.query.patches,
                .threads = threads};
   LODE_TRY(made.mesh.threshold, to_threshold(job.query));
@@ -236,11 +232,18 @@ void set_shares(const MeshJob& job, const TetraFieldInfo& field, Query& query) {
   set_share(job.query.max_error_outside, field.range_min, field.range_max, query.max_error_outside);
 }
 
+Result<std::vector<std::int64_t>> wanted_regions(const MeshJob& job, const TetraInput& input) {
+  auto regions = find_regions(input.dataset.describe(), job.query.regions);
+  if (!regions) return fail("{}: {}", job.input, regions.error().message);
+  return regions;
+}
+
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input,
            open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
+  LODE_TRY(options.regions, wanted_regions(job, input));
   set_shares(job, field, options.query);
   options.fields = input.fields;
   SimplexMesh mesh;
@@ -313,10 +316,12 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
                              job.output));
 }
 
-Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
+Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& session) {
   LODE_TRY(const TetraInput input,
            open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
   const TetraFieldInfo& field = input.field();
+  LODE_TRY(wanted.mesh.regions, wanted_regions(job, input));
+  wanted.surface.regions = wanted.sections.regions = wanted.mesh.regions;
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input, job, wanted, surface, session.progress()));

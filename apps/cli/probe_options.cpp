@@ -93,8 +93,9 @@ void add_probe_options(CLI::App& app, ProbeArguments& arguments) {
   app.add_flag("--integral", arguments.is_integral,
                "Volume, integral, mean, minimum and maximum over the domain");
   add("--box", arguments.box, "X0,X1,Y0,Y1,Z0,Z1", "With --integral: over what is in a box");
-  add("--region", arguments.regions, "ID",
-      "With --integral: over a region (block, material, zone) of a mesh of cells; may be repeated");
+  add("--region", arguments.regions, "NAME",
+      "With --integral: over a region (block, material, zone) of a mesh of cells, by its name or "
+      "number (info lists them); may be repeated");
   add("--max-error", arguments.max_error, "E",
       "Tolerance in field units, or with % of the range of values: coarser, and with wider bounds "
       "(default: 0, full resolution)");
@@ -118,10 +119,6 @@ Result<ProbeJob> to_probe_job(const ProbeArguments& arguments, Threads threads) 
   job.integral = {.max_error = job.options.max_error, .threads = threads};
   if (!arguments.box.empty()) {
     LODE_TRY(job.integral.box, parse_integral_box(arguments.box));
-  }
-  for (const std::string& text : arguments.regions) {
-    LODE_TRY(const std::int64_t id, parse_integer("--region", text, INT64_MIN, INT64_MAX));
-    job.integral.regions.push_back(id);
   }
   return job;
 }

@@ -28,7 +28,7 @@ void add_probe_options(CLI::App& app, ProbeArguments& arguments);
 
 enum class ProbeKind { points, line, integral };
 
-/// What is wanted, but for the points of a file.
+/// What is wanted, but for the points of a file, and regions, which the mesh numbers.
 struct ProbeJob {
   ProbeKind kind = ProbeKind::points;
   std::vector<Vec3d> points;

@@ -129,8 +129,9 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "all "
       "corners; without another focus accurate where the field may be in it");
   add_warp_options(app, arguments.warp);
-  add("--region", arguments.regions, "ID",
-      "Only cells of a region (block, material, zone) of a mesh of cells; may be repeated");
+  add("--region", arguments.regions, "NAME",
+      "Only cells of a region (block, material, zone) of a mesh of cells, by its name or number "
+      "(info lists them); may be repeated");
   add("--patch", arguments.patches, "NAME",
       "With --boundary of a mesh of cells: only faces of a patch, by its name or number (info "
       "lists "
@@ -255,15 +256,6 @@ Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments) {
     planes.push_back(plane);
   }
   return planes;
-}
-
-Result<std::vector<std::int64_t>> to_regions(const QueryArguments& arguments) {
-  std::vector<std::int64_t> regions;
-  for (const std::string& text : arguments.regions) {
-    LODE_TRY(const std::int64_t id, parse_integer("--region", text, INT64_MIN, INT64_MAX));
-    regions.push_back(id);
-  }
-  return regions;
 }
 
 Result<std::optional<Range>> to_threshold(const QueryArguments& arguments) {

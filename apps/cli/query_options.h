@@ -68,7 +68,6 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<SectionOptions> to_section_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 [[nodiscard]] Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments);
-[[nodiscard]] Result<std::vector<std::int64_t>> to_regions(const QueryArguments& arguments);
 /// None where none is asked for.
 [[nodiscard]] Result<std::optional<Range>> to_threshold(const QueryArguments& arguments);
 

@@ -164,12 +164,13 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }
   options.render.threads = session.threads();
-  LODE_TRY(const auto regions, to_regions(job.picture.query));
+  auto regions = find_regions(info, job.picture.query.regions);
+  if (!regions) return fail("{}: {}", job.input, regions.error().message);
   TetraPicture made;
   SimplexMesh mesh;
   LODE_TRY(made.mesh, input.dataset.extract_mesh({.query = query,
                                                   .threshold = {},
-                                                  .regions = regions,
+                                                  .regions = std::move(*regions),
                                                   .threads = session.threads(),
                                                   .fields = input.fields},
                                                  mesh, session.progress()));
@@ -213,8 +214,9 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
   add("--max-cells", arguments.query.max_cells, "N",
       "At most N tetrahedra; without --max-error, as accurate as they allow");
-  add("--region", arguments.query.regions, "ID",
-      "Show only cells of a region (block, material, zone); may be repeated");
+  add("--region", arguments.query.regions, "NAME",
+      "Show only cells of a region (block, material, zone), by its name or number; may be "
+      "repeated");
   add("--field-range", arguments.query.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
   add("--box", arguments.query.boxes, "X0,X1,Y0,Y1,Z0,Z1",
@@ -230,7 +232,6 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   LODE_CHECK(check_warp(job.picture.warp));
   LODE_TRY(const MeshPictureOptions options, to_picture(job));
   LODE_CHECK(to_query(job, options));
-  LODE_CHECK(to_regions(job.picture.query));
   if (!job.reading.with.empty() && !job.picture.warp.is_wanted())
     return fail("--with: expected none with a picture, which shows one field, got {}",
                 job.reading.with.front());

@@ -4,6 +4,7 @@
 #include <vtkCompositeDataSet.h>
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
+#include <vtkFieldData.h>
 #include <vtkGenericCell.h>
 #include <vtkIdList.h>
 #include <vtkInformation.h>
@@ -11,6 +12,7 @@
 #include <vtkMultiPieceDataSet.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkStringArray.h>
 #include <vtkStructuredGrid.h>
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
@@ -20,6 +22,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "patches.h"
@@ -75,7 +78,6 @@ struct Leaves {
 void add_leaf(vtkDataObject* data, std::string name, Leaves& leaves) {
   auto* const set = vtkDataSet::SafeDownCast(data);
   if (set != nullptr && has_solid_cells(*set)) {
-    if (name.empty()) name = "block " + std::to_string(leaves.solid.size() + 1);
     leaves.solid.push_back({set, std::move(name)});
   } else if (set != nullptr && has_faces(*set)) {
     leaves.faces.push_back({set, std::move(name)});
@@ -270,6 +272,40 @@ vtkSmartPointer<vtkTypeInt64Array> whole_regions(vtkDataArray* given) {
   return regions;
 }
 
+/// Whether a reader made the name up: what VTK calls blocks of Exodus files that have none.
+bool is_made_up(const std::string& name) {
+  return name.empty() || name.starts_with("Unnamed block ID:");
+}
+
+/// As RegionIds and RegionNames of the grid's field data: names of blocks whose cells, and no
+/// others, are one region.
+void add_region_names(vtkTypeInt64Array& regions, const std::vector<Leaf>& leaves,
+                      vtkUnstructuredGrid& grid) {
+  constexpr std::size_t kSeveral = std::numeric_limits<std::size_t>::max();
+  std::map<vtkTypeInt64, std::size_t> block_of;
+  std::vector<int> n_regions(leaves.size());
+  for (std::size_t b = 0; b < leaves.size(); ++b) {
+    std::set<vtkTypeInt64> found;
+    for (vtkIdType i = 0; i < leaves[b].data->GetNumberOfCells(); ++i)
+      found.insert(regions.GetValue(leaves[b].first_cell + i));
+    n_regions[b] = static_cast<int>(found.size());
+    for (const vtkTypeInt64 region : found)
+      if (!block_of.try_emplace(region, b).second) block_of[region] = kSeveral;
+  }
+  const auto ids = vtkSmartPointer<vtkTypeInt64Array>::New();
+  const auto names = vtkSmartPointer<vtkStringArray>::New();
+  ids->SetName("RegionIds");
+  names->SetName("RegionNames");
+  for (const auto& [region, b] : block_of) {
+    if (b == kSeveral || n_regions[b] != 1 || is_made_up(leaves[b].name)) continue;
+    ids->InsertNextValue(region);
+    names->InsertNextValue(leaves[b].name);
+  }
+  if (ids->GetNumberOfTuples() == 0) return;
+  grid.GetFieldData()->AddArray(ids);
+  grid.GetFieldData()->AddArray(names);
+}
+
 /// Gives the grid's cells their RegionId, and says which block has which.
 void add_regions(const std::vector<Leaf>& leaves, Flattened& made) {
   vtkCellData& cells = *made.grid->GetCellData();
@@ -287,6 +323,7 @@ void add_regions(const std::vector<Leaf>& leaves, Flattened& made) {
   for (const Leaf& leaf : leaves)
     made.blocks.push_back(
         {leaf.name, regions->GetValue(leaf.first_cell), leaf.data->GetNumberOfCells()});
+  add_region_names(*regions, leaves, *made.grid);
 }
 
 }  // namespace

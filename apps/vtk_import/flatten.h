@@ -15,7 +15,7 @@ enum class BlockPoints : std::uint8_t { own, shared };
 
 /// A block that has cells of three dimensions.
 struct Block {
-  std::string name;
+  std::string name;  ///< Empty where it has none.
   std::int64_t region = 0;
   std::int64_t n_cells = 0;
 };
@@ -38,10 +38,11 @@ struct Flattened {
 /// Makes one grid of all blocks that have solid cells: points, cells and all numeric arrays, with
 /// NaN where a block lacks one, 0 for ghost arrays. Cells of curvilinear blocks become hexahedra;
 /// those with a hidden point are hidden. Of the cells, RegionId is that of the blocks where all
-/// have it, else their ObjectId, else 1, 2, ...; a grid that is alone keeps its arrays, and those
-/// that are of no points or cells, as they are. Blocks of faces are patches: append_patches().
-/// Throws std::runtime_error where nothing solid is there, and where blocks that share points have
-/// different ones.
+/// have it, else their ObjectId, else 1, 2, ..., and the grid's field data have, as RegionIds and
+/// RegionNames, the names of blocks that are a region of their own; a grid that is alone keeps its
+/// arrays, and those that are of no points or cells, as they are. Blocks of faces are patches:
+/// append_patches(). Throws std::runtime_error where nothing solid is there, and where blocks that
+/// share points have different ones.
 [[nodiscard]] Flattened flatten(vtkDataObject& data, BlockPoints points);
 
 }  // namespace lode::vtk_import

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <span>
 #include <stdexcept>
+#include <string>
 
 #include "source.h"
 
@@ -108,9 +108,11 @@ void say_what_came(const Source& source, const Flattened& made) {
   std::cerr << '\n';
   constexpr std::size_t kMaxShown = 20;
   const std::size_t n_shown = std::min(made.blocks.size(), kMaxShown);
-  for (const Block& block : std::span(made.blocks).first(n_shown))
-    std::cerr << "region " << block.region << ": " << block.name << ", " << block.n_cells
-              << " cells\n";
+  for (std::size_t i = 0; i < n_shown; ++i) {
+    const Block& block = made.blocks[i];
+    const std::string name = block.name.empty() ? "block " + std::to_string(i + 1) : block.name;
+    std::cerr << "region " << block.region << ": " << name << ", " << block.n_cells << " cells\n";
+  }
   if (n_shown < made.blocks.size())
     std::cerr << "and " << made.blocks.size() - n_shown << " more\n";
 }

@@ -158,6 +158,8 @@ TEST_F(cli_probe, integrates_over_regions_that_make_the_whole) {
   const Finished unknown = run_lode({"probe", lode_, "--integral", "--region", "3"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_NE(unknown.err.find("expected one of 2, 5, got 3"), std::string::npos) << unknown.err;
+  expect_refusal(run_lode({"probe", lode_, "--integral", "--region", "two"}), 1,
+                 {lode_, "expected one of 2, 5, got two"});
 }
 
 TEST_F(cli_probe, reads_points_with_headings_and_refuses_what_are_none) {
@@ -239,7 +241,6 @@ TEST_F(cli_probe, refuses_what_has_no_answer) {
   refused({"--integral", "--box", "0,1,0,1"}, "--box");
   refused({"--point", "0,0,0", "--box", "0,1,0,1,0,1"}, "--box");
   refused({"--point", "0,0,0", "--region", "2"}, "--region");
-  refused({"--integral", "--region", "two"}, "--region");
   refused({"--integral", "--max-error", "-1"}, "--max-error");
   refused({"--integral", "-o", "out.txt"}, ".csv");
   refused({"--integral", "--dims", "3x3x3"}, "--field");

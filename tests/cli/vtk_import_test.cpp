@@ -178,6 +178,25 @@ TEST_F(vtk_import_of, what_lode_wrote_has_its_regions_and_values) {
               volumes_of(mesh).at(10) + 8, 1e-9);
 }
 
+TEST_F(vtk_import_of, blocks_gives_regions_their_names) {
+  const auto names_of = [&](const std::string& file) {
+    return report({"info", scratch_ / file}).at("region_names");
+  };
+  EXPECT_EQ(names_of("ensight.case"), nlohmann::json({"inlet", "outlet"}));
+  EXPECT_EQ(names_of("blocks.vtm"), nlohmann::json({"left", "right"}));
+  EXPECT_EQ(names_of("blocks.cgns"), nlohmann::json({"Inlet", "Outlet"}));
+  // Without names of its own; and one of Lode's, which has them.
+  EXPECT_EQ(names_of("plot3d.xyz"), nlohmann::json({"", ""}));
+  EXPECT_EQ(names_of("blocks.e"), nlohmann::json({"", ""}));
+  report({"extract", scratch_ / "ensight.case", scratch_ / "out.e", "--mesh", "--max-error", "0",
+          "--field", "f"});
+  EXPECT_EQ(names_of("out.e"), nlohmann::json({"inlet", "outlet"}));
+  const std::string part = scratch_ / "part.vtu";
+  report({"extract", scratch_ / "out.e", part, "--mesh", "--max-error", "0", "--field", "f",
+          "--region", "outlet"});
+  EXPECT_EQ(report({"info", part}).at("regions"), nlohmann::json({2}));
+}
+
 TEST_F(vtk_import_of, patches_come_with_their_names_through_files_and_exodus) {
   const std::string model = scratch_ / "foam.lode";
   report({"build", scratch_ / "foam", model, "--field", "p"});

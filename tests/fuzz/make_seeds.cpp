@@ -291,7 +291,11 @@ void keep_tiles() {
 }
 
 void keep_tetra_files() {
-  const TetraMesh mesh = oracles::noise_mesh(4, oracles::Cut::in_five, 3);
+  TetraMesh mesh = oracles::noise_mesh(4, oracles::Cut::in_five, 3);
+  mesh.region_ids = {-2, 7};
+  mesh.region_names = {"air", "rotor \xC3\xA9"};
+  for (const auto& t : mesh.tetrahedra)
+    mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 0 : 1);
   for (const Placement placement : {Placement::half_edge, Placement::midpoint}) {
     const io::test::TempDir dir;
     const std::string path = dir.path("t.lode");

@@ -175,13 +175,14 @@ MeshField varied_field(const std::string& name, ScalarType type, std::size_t n, 
   return field;
 }
 
-/// PatchIds, and PatchNames as VTK has strings: characters, and a 0 after each name.
-std::string xml_patches(const CellMesh& mesh, XmlArrays& arrays) {
-  MeshField ids{"PatchIds", ScalarType::int64, 1, {}};
-  MeshField names{"PatchNames", ScalarType::uint8, 1, {}};
-  for (const BoundaryPatch& patch : mesh.patch_names) {
-    ids.values.push_back(static_cast<double>(patch.id));
-    for (const char c : patch.name) names.values.push_back(static_cast<unsigned char>(c));
+/// KINDIds, and KINDNames as VTK has strings: characters, and a 0 after each name.
+template <typename Named>
+std::string xml_names(const std::string& kind, const std::vector<Named>& all, XmlArrays& arrays) {
+  MeshField ids{kind + "Ids", ScalarType::int64, 1, {}};
+  MeshField names{kind + "Names", ScalarType::uint8, 1, {}};
+  for (const Named& named : all) {
+    ids.values.push_back(static_cast<double>(named.id));
+    for (const char c : named.name) names.values.push_back(static_cast<unsigned char>(c));
     names.values.push_back(0);
   }
   std::string text = arrays.array(names.name, names.type, names.values);
@@ -189,9 +190,9 @@ std::string xml_patches(const CellMesh& mesh, XmlArrays& arrays) {
   if (const std::size_t end = text.find("</DataArray>"); end != std::string::npos)
     text.replace(end, 12, "</Array>");
   text += arrays.array(ids.name, ids.type, ids.values);
-  const std::string name = "Name=\"PatchIds\"";
+  const std::string name = "Name=\"" + ids.name + '"';
   text.insert(text.find(name), fmt::format("NumberOfTuples=\"{}\" ", ids.values.size()));
-  return "<FieldData>\n" + text + "</FieldData>\n";
+  return text;
 }
 
 }  // namespace
@@ -255,7 +256,10 @@ std::string vtu_of(const std::vector<CellMesh>& pieces, const XmlForm& form) {
                arrays.fields("PointData", mesh.point_fields) +
                arrays.fields("CellData", mesh.cell_fields) + xml_points(mesh, arrays) +
                xml_cells(mesh, arrays) + "</Piece>\n";
-  if (!pieces[0].patch_names.empty()) content = xml_patches(pieces[0], arrays) + content;
+  std::string names;
+  if (!pieces[0].patch_names.empty()) names += xml_names("Patch", pieces[0].patch_names, arrays);
+  if (!pieces[0].region_names.empty()) names += xml_names("Region", pieces[0].region_names, arrays);
+  if (!names.empty()) content = "<FieldData>\n" + names + "</FieldData>\n" + content;
   return arrays.file("UnstructuredGrid", "", content);
 }
 

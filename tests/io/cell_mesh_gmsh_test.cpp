@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "lode/core/label.h"
 #include "tests/io/cell_mesh_files.h"
 #include "tests/io/tetra_checks.h"
 
@@ -167,6 +168,7 @@ TEST_P(msh_meshes, are_read_with_groups_and_data) {
   const CellMesh mesh = test::read_mesh(directory.write("x.msh", msh_of(GetParam())));
   EXPECT_EQ(mesh.points, kPoints);
   EXPECT_EQ(mesh.patch_names, (std::vector<BoundaryPatch>{{4, "its door"}}));
+  EXPECT_EQ(mesh.region_names, (std::vector<MeshRegion>{{9, "a room"}}));
   EXPECT_EQ(mesh.types, (std::vector<std::uint8_t>{5, 10, 24}));
   EXPECT_EQ(mesh.corners,
             (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 9, 8}));
@@ -234,6 +236,83 @@ TEST(msh_mesh, that_is_wrong_is_refused_by_what_is_wrong) {
   refused("3\n6\n3\n1\n", "3\n6\n999999\n1\n", {"components"});
   refused("3\n6\n3\n1\n", "3\n6\n3\n999999\n", {"999999 values"});
   refused("$EndElements", "$EndElement", {"$EndElements"});
+}
+
+/// Two tetrahedra of the groups `a` and `b`, as version 2.2, with what a file begins and ends with.
+std::string two_groups(const std::string& names, int a, int b, const std::string& rest = "") {
+  return fmt::format(
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{}$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+      "5 0 0 -1\n$EndNodes\n$Elements\n2\n1 4 2 {} 1 1 2 3 4\n2 4 2 {} 2 1 3 2 5\n$EndElements\n{}",
+      names, a, b, rest);
+}
+
+std::string names_section(const std::string& n, const std::string& rows) {
+  return "$PhysicalNames\n" + n + "\n" + rows + "$EndPhysicalNames\n";
+}
+
+TetraMesh msh_mesh_of(const std::string& text) {
+  const TempDir directory;
+  return test::tetrahedra_of(test::read_mesh(directory.write("x.msh", text))).mesh;
+}
+
+TEST(msh_mesh, gives_regions_the_names_of_their_groups) {
+  const TetraMesh mesh = msh_mesh_of(two_groups(
+      names_section("4", "3 8 \"rotor blade\"\n2 7 \"door\"\n3 9 \"of no cell\"\n1 8 \"x\"\n"), 8,
+      7));
+  EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{7, 8}));
+  EXPECT_EQ(mesh.region_names, (std::vector<std::string>{"", "rotor blade"}));
+  EXPECT_TRUE(msh_mesh_of(two_groups("", 8, 7)).region_names.empty());
+  EXPECT_TRUE(msh_mesh_of(two_groups(names_section("0", ""), 8, 7)).region_names.empty());
+  // One region alone.
+  EXPECT_EQ(msh_mesh_of(two_groups(names_section("1", "3 7 \"all\"\n"), 7, 7)).region_names,
+            (std::vector<std::string>{"all"}));
+}
+
+TEST(msh_mesh, has_odd_names_as_labels) {
+  // Of two names the first; "region 8" is what Lode writes for none; no quotes, and what is no
+  // text.
+  const TetraMesh mesh = msh_mesh_of(two_groups(
+      names_section("5",
+                    "3 -3 \"a \x01\xFF\"\n3 -3 \"later\"\n3 8 \"region 8\"\n3 8 \"\"\n3 8 bare\n"),
+      -3, 8));
+  EXPECT_EQ(mesh.region_names, (std::vector<std::string>{"a  ?", "bare"}));
+  const TetraMesh wide = msh_mesh_of(
+      two_groups(names_section("1", "3 8 \"" + std::string(100'000, 'n') + "\"\n"), 7, 8));
+  EXPECT_EQ(wide.region_names[1].size(), kMaxLabelBytes);
+  // There are fewer names than it says.
+  const TempDir directory;
+  for (const char* const n : {"2147483648", "4294967295", "2"})
+    test::expect_mesh_failure(
+        directory.write("x.msh", two_groups(names_section(n, "3 8 \"rotor\"\n"), 7, 8)),
+        {"a group's dimension"});
+  test::expect_mesh_failure(directory.write("x.msh", two_groups(names_section("-1", ""), 7, 8)),
+                            {"a number of names >= 0", "-1"});
+}
+
+TEST(msh_mesh, whose_numbers_of_regions_are_data_keeps_the_names_of_groups) {
+  const auto with_ids = [](const char* a, const char* b) {
+    return msh_mesh_of(two_groups(
+        names_section("2", "3 1 \"rotor\"\n3 2 \"air\"\n"), 1, 2,
+        fmt::format(
+            "$ElementData\n1\n\"RegionId\"\n1\n0\n3\n0\n1\n2\n1 {}\n2 {}\n$EndElementData\n", a,
+            b)));
+  };
+  const TetraMesh mesh = with_ids("0", "-4");
+  EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{-4, 0}));
+  EXPECT_EQ(mesh.region_names, (std::vector<std::string>{"air", "rotor"}));
+  // No whole numbers that doubles tell apart: groups it is.
+  EXPECT_EQ(with_ids("0.5", "1").region_ids, (std::vector<std::int64_t>{1, 2}));
+  EXPECT_EQ(with_ids("1e300", "1").region_names, (std::vector<std::string>{"rotor", "air"}));
+  // A group of several regions is none's name.
+  const TempDir directory;
+  const TetrahedraOutcome outcome = test::tetrahedra_of(test::read_mesh(directory.write(
+      "x.msh", two_groups(names_section("1", "3 5 \"both\"\n"), 5, 5,
+                          "$ElementData\n1\n\"RegionId\"\n1\n0\n3\n0\n1\n2\n1 6\n2 7\n"
+                          "$EndElementData\n"))));
+  EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{6, 7}));
+  EXPECT_TRUE(outcome.mesh.region_names.empty());
+  EXPECT_EQ(outcome.report.skipped_arrays,
+            (std::vector<std::string>{"the name 'both' of several regions"}));
 }
 
 std::string medit_of(const std::string& rest) {

@@ -41,13 +41,15 @@ TEST_P(xml_meshes, of_several_pieces_are_joined) {
   EXPECT_EQ(joined.point_fields[4].at(24 + 5, 1), mesh.point_fields[4].at(5, 1));
 }
 
-TEST_P(xml_meshes, have_names_of_patches) {
+TEST_P(xml_meshes, have_names_of_patches_and_regions) {
   const TempDir directory;
   CellMesh mesh = test::varied_mesh();
   mesh.patch_names = {{5, "in let \xC3\xA9"}, {-7, ""}, {8, std::string(300, 'x')}};
-  EXPECT_EQ(
-      test::read_mesh(directory.write("mesh.vtu", test::vtu_of({mesh}, GetParam()))).patch_names,
-      mesh.patch_names);
+  mesh.region_names = {{3, "steel"}, {-1, "\xFF"}};
+  const CellMesh read =
+      test::read_mesh(directory.write("mesh.vtu", test::vtu_of({mesh}, GetParam())));
+  EXPECT_EQ(read.patch_names, mesh.patch_names);
+  EXPECT_EQ(read.region_names, mesh.region_names);
 }
 
 INSTANTIATE_TEST_SUITE_P(forms, xml_meshes, testing::ValuesIn(test::xml_forms()), name_of_form);
@@ -178,6 +180,22 @@ TEST(xml_mesh, with_broken_names_of_patches_is_refused) {
     const std::size_t offset = text.find("offset=\"", text.find("PatchNames")) + 8;
     text.replace(offset, text.find('"', offset) - offset, "7");
     test::expect_mesh_failure(directory.write("mesh.vtu", text), {});
+  }
+}
+
+TEST(xml_mesh, says_where_names_are_not_as_many_as_numbers) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  mesh.region_names = {{5, "steel"}, {6, "air"}};
+  for (const char* const n : {"1", "3", "4294967296", "18446744073709551615", "-1", "many"}) {
+    std::string text = test::vtu_of({mesh});
+    const std::size_t at = text.find("NumberOfTuples=\"2\"");
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, 18, fmt::format("NumberOfTuples=\"{}\"", n));
+    const CellMesh read = test::read_mesh(directory.write("mesh.vtu", text));
+    EXPECT_TRUE(read.region_names.empty());
+    ASSERT_FALSE(read.skipped_arrays.empty());
+    EXPECT_TRUE(read.skipped_arrays.back().starts_with("RegionNames (2 for "));
   }
 }
 

@@ -257,6 +257,51 @@ TEST_P(mesh_formats, have_patches_that_lode_reads_but_for_exodus) {
                 (face.patch == 0 ? mesh.positions.front() : mesh.positions.back())[0]);
 }
 
+TEST_P(mesh_formats, hold_names_of_regions) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  SimplexMesh mesh = strip({3, 5, 8, 9});
+  mesh.region_names = {{3, "ro\"tor\" $End"}, {5, "air"}, {8, "air"}, {12, "of no cell"}};
+  write(mesh, {.value_name = "wave"});
+  const json read = seen();
+  expect_same(read, mesh, "wave");
+  if (!has_blocks()) return;
+  const bool is_gmsh = std::string(GetParam()) == ".msh";
+  const std::map<int, std::string> names{{3, is_gmsh ? "ro_tor_ _End" : "ro\"tor\" $End"},
+                                         {5, "air"},
+                                         {8, "air (8)"},
+                                         {9, "region 9"}};
+  std::map<int, std::string> found;
+  const bool has_ids = !read.at("cells")[0][2].is_null();
+  std::set<std::string> all;
+  for (const json& cell : read.at("cells")) {
+    all.insert(cell[3].get<std::string>());
+    if (has_ids) found[cell[2].get<int>()] = cell[3].get<std::string>();
+  }
+  if (has_ids) EXPECT_EQ(found, names);
+  std::set<std::string> expected;
+  for (const auto& [id, name] : names) expected.insert(name);
+  EXPECT_EQ(all, expected);
+}
+
+TEST_P(mesh_formats, have_names_of_regions_that_lode_reads_but_for_exodus) {
+  if (is_exodus()) return;
+  for (const std::vector<std::int64_t>& ids :
+       {std::vector<std::int64_t>{3, 5, 8}, {-2, 0, 1}, {-70, 4, std::int64_t{1} << 40}}) {
+    SimplexMesh mesh = strip(ids);
+    mesh.region_names = {{ids[0], "rotor \xC3\xA9"}, {ids[2], "air"}};
+    write(mesh, {.value_name = "wave"});
+    auto cells = read_cell_mesh(path_, {});
+    ASSERT_TRUE(cells) << cells.error().message;
+    const auto made = to_tetrahedra(std::move(*cells), {});
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->mesh.region_ids, ids);
+    if (std::string(GetParam()) == ".vtk")
+      EXPECT_TRUE(made->mesh.region_names.empty());
+    else
+      EXPECT_EQ(made->mesh.region_names, (std::vector<std::string>{"rotor \xC3\xA9", "", "air"}));
+  }
+}
+
 TEST_P(mesh_formats, keep_regions_whose_numbers_cannot_be_tags) {
   ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
   const SimplexMesh mesh = strip({-2, 0, std::int64_t{1} << 40});

@@ -27,11 +27,11 @@ LEAF, NEAR, FAR = range(3)
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 1, "unknown layout")
+    expect(c.take("I") == 2, "unknown layout")
     m["V"], m["P"], m["B"], m["R"] = c.take("4I")
     m["n_reference"], m["n_base"], m["T"] = c.take("3Q")
     m["box"], m["deviation"] = c.take("6d"), c.take("d")
-    m["regions"] = [c.take("q") for _ in range(c.take("I"))]
+    m["regions"] = tetra.read_regions(c)
     m["patches"] = [(c.take("q"), c.take_bytes(c.take("I"))) for _ in range(c.take("I"))]
     m["field"] = c.take_bytes(c.take("I")).decode("utf-8")
     m["type"], m["base_error"], m["min"], m["max"] = c.take("B"), *c.take("3d")

@@ -483,15 +483,26 @@ def read_more(c, *case):
     return 1 + c.number("by how much", *case) if c.bit("is more", *case) else 0
 
 
+def read_regions(c):
+    """Their numbers; their names are checked to be labels."""
+    numbers = []
+    for _ in range(c.take("I")):
+        numbers.append(c.take("q"))
+        name = c.take_bytes(c.take("I"))
+        expect(len(name) <= 4096 and name.decode("utf-8").isprintable(), "a name that is none")
+    expect(numbers == sorted(set(numbers)), "regions do not ascend")
+    return numbers
+
+
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 5, "unknown layout")
+    expect(c.take("I") == 6, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
     m["deviation"] = c.take("d")
-    m["regions"] = [c.take("q") for _ in range(c.take("I"))]
+    m["regions"] = read_regions(c)
     m["patches"] = [(c.take("q"), c.take_bytes(c.take("I")).decode("utf-8")) for _ in range(c.take("I"))]
     m["fields"] = []
     for _ in range(c.take("I")):

@@ -124,6 +124,20 @@ TEST(tetra_regions, may_have_floating_types_and_usual_spellings) {
   }
 }
 
+TEST(tetra_regions, have_the_names_of_region_ids_and_of_no_other_field) {
+  CellMesh mesh = field_mesh();
+  mesh.cell_fields[1] = {"RegionId", ScalarType::int32, 1, {7, -2}};
+  mesh.region_names = {{7, "rotor"}, {3, "of no cell"}};
+  EXPECT_EQ(tetrahedra_of(mesh).mesh.region_names, (std::vector<std::string>{"", "rotor"}));
+  // Of materials these may be other numbers.
+  mesh.cell_fields.push_back({"Material", ScalarType::int32, 1, {3, 7}});
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+  EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{3, 7}));
+  EXPECT_TRUE(outcome.mesh.region_names.empty());
+  EXPECT_EQ(outcome.report.regions_not_taken,
+            (std::vector<std::string>{"RegionId (Material is taken)"}));
+}
+
 TEST(tetra_regions, that_are_not_taken_are_named_with_the_reason) {
   CellMesh mesh = field_mesh();
   mesh.cell_fields[0] = {"Material_Ids", ScalarType::float64, 1, {0.5, 1}};

@@ -101,6 +101,7 @@ void expect_same(const Forest& opened, const Hierarchy& hierarchy) {
   EXPECT_EQ(head.root_facts, hierarchy.root_facts);
   EXPECT_EQ(head.base_exact, hierarchy.base_exact);
   EXPECT_EQ(head.region_ids, hierarchy.region_ids);
+  EXPECT_EQ(head.region_names, hierarchy.region_names);
   EXPECT_EQ(head.patches, hierarchy.patches);
   ASSERT_EQ(head.pages.n_pages(), hierarchy.pages.n_pages());
   ASSERT_EQ(head.n_nodes(), hierarchy.n_nodes());
@@ -197,6 +198,7 @@ TEST_F(midpoint_file, answers_as_memory_does_and_reads_what_it_needs) {
 TEST_F(midpoint_file, keeps_regions_and_patches) {
   TetraMesh mesh = noise();
   mesh.region_ids = {-5, 0, 7};
+  mesh.region_names = {"shell", "", "inner part"};
   mesh.patches = {{-2, "inlet"}, {5, ""}};
   for (const Tetrahedron& t : mesh.tetrahedra) {
     Vec3d centre;
@@ -327,7 +329,7 @@ TEST_F(midpoint_file, that_was_cut_off_or_is_another_model_is_refused) {
   ASSERT_TRUE(unknown && unknown->finish());
   const auto later = open(part);
   ASSERT_FALSE(later);
-  EXPECT_NE(later.error().message.find("expected layout 1 of midpoints, got 151587081"),
+  EXPECT_NE(later.error().message.find("expected layout 2 of midpoints, got 151587081"),
             std::string::npos);
 }
 

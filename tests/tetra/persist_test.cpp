@@ -8,10 +8,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -198,6 +203,71 @@ TEST_F(tetra_file, keeps_regions_through_refining_and_coarsening) {
     // Compared as maps: whoever is of another region differs.
     EXPECT_TRUE(regions_by_corners(found) == regions_by_corners(mesh));
     for (std::size_t i = hierarchy.order.size(); i-- > 0;) cut.undo(NodeId{hierarchy.order[i]});
+  }
+}
+
+/// The file's metadata with other names of regions: three, of a short name each.
+std::string with_name(const HierarchyHead& head, const std::string& name, std::uint32_t n_bytes) {
+  std::vector<std::byte> bytes = encode_head(head);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t at = text.find("rotor");
+  std::string count(4, '\0');
+  std::memcpy(count.data(), &n_bytes, 4);
+  return text.substr(0, at - 4) + count + name + text.substr(at + 5);
+}
+
+TEST_F(tetra_file, keeps_names_of_regions_and_refuses_what_is_none) {
+  TetraMesh mesh = noise();
+  mesh.region_ids = {-5, 0, 7};
+  mesh.region_names = {"", "rotor", "\xC3\xA9t\xC3\xA9"};
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    mesh.regions.push_back(mesh.positions[mesh.tetrahedra[i][0]][0] < 0.5 ? 0U : 1U + i % 2);
+  const Hierarchy hierarchy = hierarchy_of(mesh, 300);
+  Progress progress;
+  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), codes_of(hierarchy), path_, {2}, progress));
+  const auto opened = open(path_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const HierarchyHead& head = opened->hierarchy.head();
+  EXPECT_EQ(head.region_ids, mesh.region_ids);
+  EXPECT_EQ(head.region_names, mesh.region_names);
+  const auto refusal = [&](const std::string& name, std::uint32_t n_bytes) {
+    const std::string text = with_name(head, name, n_bytes);
+    BaseCounts counts;
+    const auto read = decode_head(std::as_bytes(std::span(text)), "x.lode", counts);
+    return read ? std::string("taken") : read.error().message;
+  };
+  EXPECT_EQ(refusal("rotor", 5), "taken");
+  EXPECT_EQ(refusal("rot\xFFr", 5),
+            "x.lode: metadata: expected names of regions in one line of UTF-8, got byte 0xff at 3, "
+            "which is no UTF-8");
+  EXPECT_NE(refusal("ro\ntr", 5).find("a control character at byte 2"), std::string::npos);
+  EXPECT_NE(refusal(std::string(5000, 'x'), 5000).find("5000 bytes, more than 4096"),
+            std::string::npos);
+  for (const std::uint32_t n : {0x80000000U, 0xFFFFFFFFU})
+    EXPECT_NE(refusal("rotor", n).find("bytes at byte"), std::string::npos) << refusal("rotor", n);
+  // Many regions in few bytes.
+  std::string text = with_name(head, "rotor", 5);
+  const std::size_t at = text.find("rotor") - 4 - 8 - 4 - 8 - 4;
+  text.replace(at, 4, "\xFF\xFF\xFF\xFF");
+  BaseCounts counts;
+  const auto many = decode_head(std::as_bytes(std::span(text)), "x.lode", counts);
+  ASSERT_FALSE(many);
+  EXPECT_NE(many.error().message.find("expected 4294967295 regions in"), std::string::npos)
+      << many.error().message;
+}
+
+TEST_F(tetra_file, is_not_built_with_names_of_regions_that_are_none) {
+  TetraMesh mesh = noise();
+  mesh.region_ids = {3, 4};
+  mesh.regions.assign(mesh.tetrahedra.size(), 0);
+  mesh.regions[0] = 1;
+  Progress progress;
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"one"}, {"a", "b", "c"}, {"a", "b\n"}, {"\xC3", ""}}) {
+    mesh.region_names = names;
+    const auto made = collapse_half_edges(mesh, {.base_cells = 300}, progress);
+    ASSERT_FALSE(made);
+    EXPECT_NE(made.error().message.find("names of regions"), std::string::npos);
   }
 }
 

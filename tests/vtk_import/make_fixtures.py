@@ -283,6 +283,7 @@ def write_xml(folder):
         part = xml_grid(block, vtk.vtkUnstructuredGrid())
         part.GetCellData().RemoveArray("MaterialId")
         blocks.SetBlock(i, part)
+        blocks.GetMetaData(i).Set(vtk.vtkCompositeDataSet.NAME(), ("left", "right")[i])
     wall = vtk.vtkPolyData()
     points = vtk.vtkPoints()
     for p in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)):

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "lode/api/tetra_info.h"
 #include "lode/models/tetra_mt/space_curve.h"
 
 namespace lode {
@@ -134,6 +135,8 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   for (std::uint32_t i = 0; i < vertex_ids.size(); ++i) numbers[vertex_ids[i]] = i;
   const std::vector<HierarchyHead::Field>& heads = hierarchy.head().fields;
   mesh.patches = hierarchy.head().patches;
+  mesh.region_names = named_regions(hierarchy.head().region_ids, hierarchy.head().region_names);
+  const bool has_regions = hierarchy.head().region_ids.size() > 1 || !mesh.region_names.empty();
   for (const std::size_t field : fields.along)
     mesh.attributes.push_back({heads[field].name, heads[field].has_narrow_values, {}});
   const auto error_of = [&](std::uint32_t slot, std::size_t field) {
@@ -149,8 +152,7 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
     mesh.errors.push_back(error_of(slot, fields.measured));
     for (std::size_t i = 0; i < fields.along.size(); ++i)
       mesh.attributes[i].errors.push_back(error_of(slot, fields.along[i]));
-    if (hierarchy.head().region_ids.size() > 1)
-      mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
+    if (has_regions) mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
     if (!mesh.patches.empty()) add_patch_sides(cut, slot, mesh);
   }
   for (const std::uint32_t v : vertex_ids) {
@@ -173,6 +175,8 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
   const tetra_mt::midpoint::ForestHead& head = cut.head();
   mesh = {};
   mesh.patches = head.patches;
+  mesh.region_names = named_regions(head.region_ids, head.region_names);
+  const bool has_regions = head.region_ids.size() > 1 || !mesh.region_names.empty();
   const MarkedFaces faces = marked_faces(cut);
   std::vector<std::uint32_t> slots;
   for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot)
@@ -188,7 +192,7 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
     const std::uint32_t maker = cut.maker(cell);
     mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(maker == kNone ? 0 : cut.facts(NodeId{maker}).error);
-    if (head.region_ids.size() > 1) mesh.regions.push_back(head.region_ids[cell.region]);
+    if (has_regions) mesh.regions.push_back(head.region_ids[cell.region]);
     if (!faces.empty()) add_patch_sides(faces, mesh);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }

@@ -13,6 +13,7 @@
 #include "lode/api/verify_report.h"
 #include "lode/core/box.h"
 #include "lode/core/mesh.h"
+#include "lode/core/mesh_region.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/scalar_type.h"
@@ -79,7 +80,7 @@ struct TetraInfo {
   std::vector<TetraFieldInfo> fields{};  ///< At least one.
   Box3d bounds{};                        ///< Of all vertices.
   double boundary_deviation = 0;         ///< Of cuts' boundaries; the mesh's unit.
-  std::vector<std::int64_t> regions{};   ///< As the file numbers them, ascending.
+  std::vector<MeshRegion> regions{};     ///< By number, ascending.
   std::vector<BoundaryPatch> patches{};  ///< Parts of the boundary, likewise.
 };
 
@@ -180,6 +181,10 @@ class TetraDataset {
 /// there are.
 [[nodiscard]] Result<std::size_t> find_field(const TetraInfo& info, const std::string& name,
                                              const std::optional<double>& time = {});
+/// Numbers of regions, of which each text names some by their name, or one by its number. Fails
+/// where there is none, and says which there are.
+[[nodiscard]] Result<std::vector<std::int64_t>> find_regions(const TetraInfo& info,
+                                                             std::span<const std::string> wanted);
 /// Places of the fields that are known at a field's time: of that time, and those without one; not
 /// of the field itself.
 [[nodiscard]] std::vector<std::size_t> fields_along(const TetraInfo& info, std::size_t field);

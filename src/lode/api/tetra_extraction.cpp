@@ -41,6 +41,7 @@ void append(const Surface& section, Surface& surface) {
 TetraSurfaceReport begin(const TetraCutMesh& cut, Surface& surface) {
   surface.clear();
   surface.origin = cut.origin;
+  surface.region_names = cut.mesh.region_names;
   return {.max_error = cut.report.max_error,
           .n_cut_cells = cut.report.n_cut_cells,
           .n_left_out = cut.report.n_left_out,
@@ -133,6 +134,7 @@ TetraSurfaceReport make_boundary(const TetraCutMesh& cut, std::span<const std::u
                                  Threads threads, Surface& surface) {
   TetraSurfaceReport report = begin(cut, surface);
   surface = mesh_boundary(cut.mesh, cut.origin, threads, patches);
+  surface.region_names = cut.mesh.region_names;
   report.achieved_error = largest_of(surface.errors);
   count(surface, report);
   return report;

@@ -7,6 +7,24 @@
 #include "lode/models/tetra_mt/gradient_codes.h"
 
 namespace lode {
+namespace {
+
+std::vector<MeshRegion> regions_of(std::span<const std::int64_t> ids,
+                                   std::span<const std::string> names) {
+  std::vector<MeshRegion> regions;
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    regions.push_back({ids[i], names.empty() ? std::string() : names[i]});
+  return regions;
+}
+
+}  // namespace
+
+std::vector<MeshRegion> named_regions(std::span<const std::int64_t> ids,
+                                      std::span<const std::string> names) {
+  std::vector<MeshRegion> regions = regions_of(ids, names);
+  std::erase_if(regions, [](const MeshRegion& region) { return region.name.empty(); });
+  return regions;
+}
 
 TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
   return {.placement = Placement::midpoint,
@@ -18,7 +36,7 @@ TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
                       head.base_error, std::nullopt}},
           .bounds = head.box,
           .boundary_deviation = head.boundary_deviation,
-          .regions = head.region_ids,
+          .regions = regions_of(head.region_ids, head.region_names),
           .patches = head.patches};
 }
 
@@ -50,7 +68,7 @@ TetraInfo info_of(const tetra_mt::HierarchyHead& head) {
           .fields = std::move(fields),
           .bounds = {head.lower, head.upper},
           .boundary_deviation = head.boundary_deviation,
-          .regions = head.region_ids,
+          .regions = regions_of(head.region_ids, head.region_names),
           .patches = head.patches};
 }
 

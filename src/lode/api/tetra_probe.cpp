@@ -161,7 +161,7 @@ void fill_cells(const View& view, const TetraInfo& info, const std::vector<std::
     const std::uint32_t maker = view.maker(slot);
     cells.is_exact.push_back(maker == kNone ? 1 : 0);
     mesh.errors.push_back(maker == kNone ? 0 : view.cut().facts(NodeId{maker}).error);
-    if (info.regions.size() > 1) mesh.regions.push_back(info.regions[view.region(slot)]);
+    if (info.regions.size() > 1) mesh.regions.push_back(info.regions[view.region(slot)].id);
     vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
   }
   std::ranges::sort(vertices);

@@ -27,6 +27,29 @@ struct WidenedDemand {
   }
 };
 
+/// Whether a text is its name or number.
+template <typename Named>
+bool is_called(const Named& named, const std::string& text) {
+  return name_of(named) == text || std::to_string(named.id) == text;
+}
+
+std::string list_names(std::vector<std::string> names) {
+  constexpr std::size_t kMost = 20;
+  if (names.empty()) return "none";
+  const std::size_t n_more = names.size() - std::min(names.size(), kMost);
+  names.resize(names.size() - n_more);
+  if (n_more > 0) names.push_back(fmt::format("{} more", n_more));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string list_regions(const TetraInfo& info) {
+  std::vector<std::string> names;
+  for (const MeshRegion& region : info.regions)
+    names.push_back(region.name.empty() ? std::to_string(region.id)
+                                        : fmt::format("{} ({})", region.name, region.id));
+  return list_names(std::move(names));
+}
+
 }  // namespace
 
 Result<Query> complete_query(const TetraFieldInfo& field, Query query,
@@ -47,31 +70,34 @@ Result<std::vector<std::uint32_t>> find_patches(const TetraInfo& info,
                                                 std::span<const std::string> wanted) {
   std::vector<std::uint32_t> places;
   for (const std::string& text : wanted) {
-    const auto is_wanted = [&](const BoundaryPatch& patch) {
-      return name_of(patch) == text || std::to_string(patch.id) == text;
-    };
     const std::size_t before = places.size();
     for (std::uint32_t i = 0; i < info.patches.size(); ++i)
-      if (is_wanted(info.patches[i])) places.push_back(i);
+      if (is_called(info.patches[i], text)) places.push_back(i);
     if (places.size() > before) continue;
     std::vector<std::string> names;
-    constexpr std::size_t kMostNamed = 20;
-    for (std::size_t i = 0; i < std::min(info.patches.size(), kMostNamed); ++i)
-      names.push_back(name_of(info.patches[i]));
-    if (info.patches.size() > kMostNamed)
-      names.push_back(fmt::format("{} more", info.patches.size() - kMostNamed));
-    return fail("patches: expected one of {}, got {}",
-                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), text);
+    for (const BoundaryPatch& patch : info.patches) names.push_back(name_of(patch));
+    return fail("patches: expected one of {}, got {}", list_names(std::move(names)), text);
   }
   return places;
 }
 
+Result<std::vector<std::int64_t>> find_regions(const TetraInfo& info,
+                                               std::span<const std::string> wanted) {
+  std::vector<std::int64_t> ids;
+  for (const std::string& text : wanted) {
+    const std::size_t before = ids.size();
+    for (const MeshRegion& region : info.regions)
+      if (is_called(region, text)) ids.push_back(region.id);
+    if (ids.size() == before)
+      return fail("regions: expected one of {}, got {}", list_regions(info), text);
+  }
+  return ids;
+}
+
 Result<void> check_regions(const TetraInfo& info, std::span<const std::int64_t> regions) {
-  for (const std::int64_t region : regions)
-    if (std::ranges::find(info.regions, region) == info.regions.end())
-      return fail("regions: expected one of {}, got {}",
-                  info.regions.empty() ? "none" : fmt::format("{}", fmt::join(info.regions, ", ")),
-                  region);
+  for (const std::int64_t id : regions)
+    if (std::ranges::find(info.regions, id, &MeshRegion::id) == info.regions.end())
+      return fail("regions: expected one of {}, got {}", list_regions(info), id);
   return {};
 }
 

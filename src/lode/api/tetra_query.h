@@ -18,6 +18,7 @@ namespace lode {
 [[nodiscard]] Result<std::vector<std::uint32_t>> find_patches(const TetraInfo& info,
                                                               std::span<const std::string> wanted);
 
+/// Fails on a number that no region has.
 [[nodiscard]] Result<void> check_regions(const TetraInfo& info,
                                          std::span<const std::int64_t> regions);
 [[nodiscard]] Result<void> check_fields(const TetraInfo& info, const TetraFieldUse& use);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lode/core/boundary_patch.h"
+#include "lode/core/mesh_region.h"
 #include "lode/core/scalar_type.h"
 #include "lode/core/vec.h"
 
@@ -54,6 +55,7 @@ struct CellMesh {
   std::vector<MeshField> point_fields;
   std::vector<MeshField> cell_fields;
   std::vector<BoundaryPatch> patch_names;   ///< Of cells with two dimensions, where a file has any.
+  std::vector<MeshRegion> region_names;     ///< Likewise of those with three; of any bytes.
   std::vector<std::string> skipped_arrays;  ///< Those of no use: texts, bits, by corner.
   std::uint64_t n_ghost_cells = 0;          ///< Left out: copies of another piece's cells.
   std::uint64_t n_hidden_cells = 0;  ///< Left out: blanked ones, and those of blanked points.

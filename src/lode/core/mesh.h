@@ -6,6 +6,7 @@
 
 #include "lode/core/attribute.h"
 #include "lode/core/boundary_patch.h"
+#include "lode/core/mesh_region.h"
 #include "lode/core/vec.h"
 
 namespace lode {
@@ -37,11 +38,12 @@ struct SimplexMesh {
   bool has_narrow_values = false;                        ///< float32 holds all values exactly.
   std::vector<std::array<std::uint32_t, 4>> tetrahedra;  ///< Of positive volume.
   std::vector<std::array<std::uint32_t, 3>> triangles;   ///< Counter-clockwise, z up.
-  std::vector<std::int64_t> regions;   ///< Per cell, as the file numbers them; empty: one.
-  std::vector<BoundaryPatch> patches;  ///< Of tetrahedra; empty: none.
-  std::vector<PatchSide> patch_sides;  ///< By cell and corner.
-  std::vector<Attribute> attributes;   ///< Further fields.
-  std::vector<float> errors;           ///< Per cell: proven bound of |F - F'| on it, field units.
+  std::vector<std::int64_t> regions;     ///< Per cell, as the file numbers them; empty: one.
+  std::vector<MeshRegion> region_names;  ///< Of those that have one, by id, ascending.
+  std::vector<BoundaryPatch> patches;    ///< Of tetrahedra; empty: none.
+  std::vector<PatchSide> patch_sides;    ///< By cell and corner.
+  std::vector<Attribute> attributes;     ///< Further fields.
+  std::vector<float> errors;             ///< Per cell: proven bound of |F - F'| on it, field units.
 
   [[nodiscard]] std::size_t n_cells() const { return tetrahedra.size() + triangles.size(); }
   [[nodiscard]] bool is_empty() const { return n_cells() == 0; }

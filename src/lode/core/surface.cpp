@@ -26,6 +26,7 @@ void Surface::clear() {
   attributes.clear();
   origins.clear();
   errors.clear();
+  region_names.clear();
   patches.clear();
   regions.clear();
   patch_marks.clear();

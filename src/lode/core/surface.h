@@ -6,6 +6,7 @@
 
 #include "lode/core/attribute.h"
 #include "lode/core/boundary_patch.h"
+#include "lode/core/mesh_region.h"
 #include "lode/core/vec.h"
 
 namespace lode {
@@ -36,6 +37,7 @@ struct Surface {
   std::vector<float> errors;  ///< Of the field, per cell; may be empty.
   std::vector<std::int64_t>
       regions;  ///< Of a mesh, as its file numbers them, per cell; may be empty.
+  std::vector<MeshRegion> region_names;    ///< Of those that have one, by id, ascending.
   std::vector<BoundaryPatch> patches;      ///< Parts of a mesh's boundary.
   std::vector<std::uint32_t> patch_marks;  ///< By triangle: 0, or one more than its patch's place.
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise from lower values.

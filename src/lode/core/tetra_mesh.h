@@ -19,9 +19,11 @@ struct TetraMesh {
   std::vector<std::array<std::uint32_t, 4>> tetrahedra;
   std::vector<std::uint32_t> regions;    ///< By tetrahedron: places in region_ids; empty: one.
   std::vector<std::int64_t> region_ids;  ///< As the file numbers them, ascending.
-  std::vector<BoundaryPatch> patches;    ///< By id, ascending.
-  std::vector<PatchFace> patch_faces;    ///< Each once; what is on the boundary and none is free.
-  std::vector<MeshField> fields;         ///< Of the vertices, one component each.
+  /// By place in region_ids, empty of those without one; or none at all. Labels (label.h).
+  std::vector<std::string> region_names;
+  std::vector<BoundaryPatch> patches;  ///< By id, ascending.
+  std::vector<PatchFace> patch_faces;  ///< Each once; what is on the boundary and none is free.
+  std::vector<MeshField> fields;       ///< Of the vertices, one component each.
 };
 
 }  // namespace lode

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lode/core/label.h"
 #include "lode/io/cell_types.h"
-#include "lode/io/surface_output.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -97,7 +97,7 @@ std::vector<BoundaryPatch> patches_of(const CellMesh& mesh,
   std::vector<BoundaryPatch> patches;
   for (const auto& [id, place] : ids) {
     const auto named = names.find(id);
-    patches.push_back({id, named == names.end() ? std::string() : to_one_line(*named->second)});
+    patches.push_back({id, named == names.end() ? std::string() : to_label(*named->second)});
   }
   return patches;
 }

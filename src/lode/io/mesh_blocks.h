@@ -15,8 +15,9 @@ namespace lode::io {
 
 /// The cells of one region, as formats have them that keep cells in blocks.
 struct MeshBlock {
-  std::int32_t tag = 1;                  ///< Positive, and different from other blocks'.
-  std::string name;                      ///< "region -2"; empty where the mesh has no regions.
+  std::int32_t tag = 1;  ///< Positive, and different from other blocks'.
+  /// The region's, or "region -2", and different from other blocks'; empty where the mesh has none.
+  std::string name;
   std::span<const std::uint32_t> cells;  ///< Ascending.
 };
 

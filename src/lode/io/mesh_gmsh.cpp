@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
 
+#include "lode/io/cell_types.h"
 #include "lode/io/mesh_gmsh_input.h"
 #include "lode/io/text.h"
 
@@ -10,6 +14,7 @@ namespace lode::io {
 namespace {
 
 constexpr const char* kRegionField = "RegionId";
+constexpr double kMostRegion = 0x1p53;
 
 Result<void> read_section(const std::string& name, GmshInput& input) {
   if (name == "$MeshFormat") return read_gmsh_format(input);
@@ -23,20 +28,47 @@ Result<void> read_section(const std::string& name, GmshInput& input) {
   return {};
 }
 
+/// Names of groups become those of what RegionId numbers them, where all elements of a group have
+/// one number there; else they are left out, which is said.
+void renumber_names(const std::vector<double>& groups, const std::vector<double>& ids,
+                    CellMesh& mesh) {
+  std::map<double, std::optional<double>> id_of;  // none: several
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
+    const auto kind = cell_kind(mesh.types[cell]);
+    if (!kind || kind->dimension != 3) continue;
+    const auto [at, is_new] = id_of.try_emplace(groups[cell], ids[cell]);
+    if (!is_new && at->second != ids[cell]) at->second.reset();
+  }
+  std::vector<MeshRegion> renamed;
+  for (MeshRegion& region : mesh.region_names) {
+    const auto at = id_of.find(static_cast<double>(region.id));
+    if (at == id_of.end()) continue;
+    if (at->second)
+      renamed.push_back({static_cast<std::int64_t>(*at->second), std::move(region.name)});
+    else
+      mesh.skipped_arrays.push_back(
+          fmt::format("the name {} of several regions", in_quotes(region.name)));
+  }
+  mesh.region_names = std::move(renamed);
+}
+
 /// Physical groups become the first field, unless values of elements say what RegionId is, in whole
 /// numbers: groups cannot have all of these.
 void finish_groups(GmshInput& input) {
   std::vector<MeshField>& fields = input.mesh.cell_fields;
   const auto named = std::find_if(fields.begin(), fields.end(), [](const MeshField& field) {
-    return field.name == kRegionField && std::all_of(field.values.begin(), field.values.end(),
-                                                     [](double x) { return x == std::trunc(x); });
+    return field.name == kRegionField &&
+           std::all_of(field.values.begin(), field.values.end(),
+                       [](double x) { return x == std::trunc(x) && std::abs(x) <= kMostRegion; });
   });
   const std::vector<double>& groups = input.element_groups;
-  if (named != fields.end())
+  if (named != fields.end()) {
     named->type = ScalarType::int64;
-  else if (std::any_of(groups.begin(), groups.end(), [](double group) { return group != 0; }))
+    renumber_names(groups, named->values, input.mesh);
+  } else if (std::any_of(groups.begin(), groups.end(), [](double group) { return group != 0; })) {
     fields.insert(fields.begin(),
                   {kRegionField, ScalarType::int32, 1, std::move(input.element_groups)});
+  }
 }
 
 /// Values of elements are as many as these were when their section came.

@@ -182,6 +182,7 @@ Result<void> read_gmsh_names(GmshInput& input) {
     LODE_TRY(const std::int64_t group, text.whole("a group's number"));
     const std::string name = without_quotes(text.line());
     if (dimension == 2) input.mesh.patch_names.push_back({group, name});
+    if (dimension == 3) input.mesh.region_names.push_back({group, name});
   }
   return {};
 }

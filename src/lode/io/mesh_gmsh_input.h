@@ -39,7 +39,7 @@ struct GmshInput {
 /// $MeshFormat. Fails on versions other than 2.x and 4.1.
 [[nodiscard]] Result<void> read_gmsh_format(GmshInput& input);
 
-/// $PhysicalNames: of groups of two dimensions.
+/// $PhysicalNames: of groups of two and of three dimensions.
 [[nodiscard]] Result<void> read_gmsh_names(GmshInput& input);
 
 /// $Entities, of version 4.

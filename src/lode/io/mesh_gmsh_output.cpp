@@ -42,14 +42,15 @@ Result<void> write_gmsh_head(const MeshWriteOptions& options, GmshOutput& out) {
   const std::size_t n_names = out.patches.blocks().size() + regions.size();
   if (n_names == 0) return {};
   LODE_CHECK(out.text(fmt::format("$PhysicalNames\n{}\n", n_names)));
-  for (const PatchBlock& patch : out.patches.blocks()) {
-    std::string name = patch.name;
+  const auto write_name = [&](std::int32_t dimension, std::int32_t tag, std::string name) {
     std::replace(name.begin(), name.end(), '"', '_');
     std::replace(name.begin(), name.end(), '$', '_');
-    LODE_CHECK(out.text(fmt::format("2 {} \"{}\"\n", patch.tag, name)));
-  }
+    return out.text(fmt::format("{} {} \"{}\"\n", dimension, tag, name));
+  };
+  for (const PatchBlock& patch : out.patches.blocks())
+    LODE_CHECK(write_name(2, patch.tag, patch.name));
   for (const MeshBlock& block : regions)
-    LODE_CHECK(out.text(fmt::format("{} {} \"{}\"\n", out.dimension(), block.tag, block.name)));
+    LODE_CHECK(write_name(out.dimension(), block.tag, block.name));
   return out.text("$EndPhysicalNames\n");
 }
 

@@ -15,9 +15,38 @@ namespace lode::io {
 
 namespace {
 
-constexpr std::size_t kLongestName = 200;  // and a number behind it, where names are alike
+/// KINDIds and KINDNames of what has both.
+template <typename Named>
+std::string vtk_names(const char* kind, std::span<const Named> all) {
+  if (all.empty()) return {};
+  std::string ids;
+  std::string codes;
+  for (const Named& each : all) {
+    ids += fmt::format("{} ", each.id);
+    for (const char c : name_of(each)) codes += fmt::format("{} ", static_cast<unsigned char>(c));
+    codes += "0 ";
+  }
+  return fmt::format(
+      "<DataArray type=\"Int64\" Name=\"{0}Ids\" NumberOfTuples=\"{1}\" "
+      "format=\"ascii\">{2}</DataArray>\n"
+      "<Array type=\"String\" Name=\"{0}Names\" NumberOfTuples=\"{1}\" "
+      "format=\"ascii\">{3}</Array>\n",
+      kind, all.size(), ids, codes);
+}
 
 }  // namespace
+
+std::string block_name(std::string_view name, std::int64_t id, std::set<std::string>& taken) {
+  constexpr std::size_t kLongest = 200;
+  std::string made = to_one_line(name);
+  if (made.size() > kLongest) {
+    std::size_t n = kLongest;
+    while (n > 0 && (static_cast<unsigned char>(made[n]) & 0xC0U) == 0x80) --n;
+    made.resize(n);
+  }
+  if (!taken.insert(made).second) taken.insert(made += fmt::format(" ({})", id));
+  return made;
+}
 
 PatchBlocks::PatchBlocks(const SimplexMesh& mesh) : sides_(mesh.patch_sides.size()) {
   std::iota(sides_.begin(), sides_.end(), 0U);
@@ -35,8 +64,7 @@ PatchBlocks::PatchBlocks(const SimplexMesh& mesh) : sides_(mesh.patch_sides.size
     std::size_t end = first + 1;
     while (end < all.size() && patch_of(all[end]) == place) ++end;
     const BoundaryPatch& patch = mesh.patches[place];
-    std::string name = to_one_line(name_of(patch)).substr(0, kLongestName);
-    if (!names.insert(name).second) name += fmt::format(" ({})", patch.id);
+    std::string name = block_name(name_of(patch), patch.id, names);
     blocks_.push_back(
         {.tag = static_cast<std::int32_t>(has_tags ? patch.id : std::int64_t{place} + 1),
          .name = std::move(name),
@@ -46,20 +74,11 @@ PatchBlocks::PatchBlocks(const SimplexMesh& mesh) : sides_(mesh.patch_sides.size
 }
 
 std::string vtk_patch_names(std::span<const BoundaryPatch> patches) {
-  if (patches.empty()) return {};
-  std::string ids;
-  std::string codes;
-  for (const BoundaryPatch& patch : patches) {
-    ids += fmt::format("{} ", patch.id);
-    for (const char c : name_of(patch)) codes += fmt::format("{} ", static_cast<unsigned char>(c));
-    codes += "0 ";
-  }
-  return fmt::format(
-      "<DataArray type=\"Int64\" Name=\"PatchIds\" NumberOfTuples=\"{0}\" "
-      "format=\"ascii\">{1}</DataArray>\n"
-      "<Array type=\"String\" Name=\"PatchNames\" NumberOfTuples=\"{0}\" "
-      "format=\"ascii\">{2}</Array>\n",
-      patches.size(), ids, codes);
+  return vtk_names("Patch", patches);
+}
+
+std::string vtk_region_names(std::span<const MeshRegion> regions) {
+  return vtk_names("Region", regions);
 }
 
 }  // namespace lode::io

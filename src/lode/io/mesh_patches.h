@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lode/core/mesh.h"
@@ -33,9 +35,16 @@ class PatchBlocks {
   std::vector<PatchBlock> blocks_;
 };
 
+/// Of a block or group: in one line, of about 200 bytes at most, with the number behind it where
+/// the name is taken.
+[[nodiscard]] std::string block_name(std::string_view name, std::int64_t id,
+                                     std::set<std::string>& taken);
+
 /// FieldData of VTK XML files that tells what PatchId stands for: PatchIds, and PatchNames as
 /// strings. Empty where there are no patches.
 [[nodiscard]] std::string vtk_patch_names(std::span<const BoundaryPatch> patches);
+/// The same of RegionId: RegionIds and RegionNames.
+[[nodiscard]] std::string vtk_region_names(std::span<const MeshRegion> regions);
 
 /// Appends the cells' values, then those of the cells that faces of patches belong to.
 template <typename T>

@@ -72,6 +72,34 @@ Result<std::vector<std::string>> load_xml_strings(VtkXmlMeshFile& file,
   return strings;
 }
 
+/// What a data set's KINDIds and KINDNames tell.
+template <typename Named>
+Result<std::vector<Named>> load_xml_names(VtkXmlMeshFile& file, const pugi::xml_node& data,
+                                          const std::string& kind) {
+  const pugi::xml_node fields = data.child("FieldData");
+  const std::string ids_name = kind + "Ids";
+  const pugi::xml_node ids = find_array(fields, ids_name.c_str());
+  const pugi::xml_node names =
+      fields.find_child_by_attribute("Array", "Name", (kind + "Names").c_str());
+  std::vector<Named> found;
+  if (!ids || !names) return found;
+  LODE_TRY(const std::vector<std::string> strings, load_xml_strings(file, names));
+  const auto n = to_uint64(ids.attribute("NumberOfTuples").as_string());
+  if (!n || *n != strings.size()) {
+    file.skipped_arrays.push_back(fmt::format("{}Names ({} for {} numbers)", kind, strings.size(),
+                                              n ? std::to_string(*n) : "an unknown count of"));
+    return found;
+  }
+  LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, ids, *n));
+  LODE_TRY(const std::vector<std::int64_t> whole,
+           as_whole<std::int64_t>(numbers, {.path = file.path(),
+                                            .name = ids_name,
+                                            .low = std::numeric_limits<std::int64_t>::min(),
+                                            .high = std::numeric_limits<std::int64_t>::max()}));
+  for (std::size_t i = 0; i < strings.size(); ++i) found.push_back({whole[i], strings[i]});
+  return found;
+}
+
 }  // namespace
 
 pugi::xml_node find_array(const pugi::xml_node& parent, const char* name) {
@@ -127,22 +155,12 @@ Result<std::vector<MeshField>> load_xml_fields(VtkXmlMeshFile& file, const pugi:
 
 Result<std::vector<BoundaryPatch>> load_xml_patch_names(VtkXmlMeshFile& file,
                                                         const pugi::xml_node& data) {
-  const pugi::xml_node fields = data.child("FieldData");
-  const pugi::xml_node ids = find_array(fields, "PatchIds");
-  const pugi::xml_node names = fields.find_child_by_attribute("Array", "Name", "PatchNames");
-  std::vector<BoundaryPatch> patches;
-  if (!ids || !names) return patches;
-  LODE_TRY(const std::vector<std::string> strings, load_xml_strings(file, names));
-  const auto n = to_uint64(ids.attribute("NumberOfTuples").as_string());
-  if (!n || *n != strings.size()) return patches;
-  LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, ids, *n));
-  LODE_TRY(const std::vector<std::int64_t> whole,
-           as_whole<std::int64_t>(numbers, {.path = file.path(),
-                                            .name = "PatchIds",
-                                            .low = std::numeric_limits<std::int64_t>::min(),
-                                            .high = std::numeric_limits<std::int64_t>::max()}));
-  for (std::size_t i = 0; i < strings.size(); ++i) patches.push_back({whole[i], strings[i]});
-  return patches;
+  return load_xml_names<BoundaryPatch>(file, data, "Patch");
+}
+
+Result<std::vector<MeshRegion>> load_xml_region_names(VtkXmlMeshFile& file,
+                                                      const pugi::xml_node& data) {
+  return load_xml_names<MeshRegion>(file, data, "Region");
 }
 
 }  // namespace lode::io

@@ -38,5 +38,8 @@ struct VtkXmlMeshFile {
 /// What a data set's PatchIds and PatchNames tell, of as many as there are of both.
 [[nodiscard]] Result<std::vector<BoundaryPatch>> load_xml_patch_names(VtkXmlMeshFile& file,
                                                                       const pugi::xml_node& data);
+/// Likewise of RegionIds and RegionNames.
+[[nodiscard]] Result<std::vector<MeshRegion>> load_xml_region_names(VtkXmlMeshFile& file,
+                                                                    const pugi::xml_node& data);
 
 }  // namespace lode::io

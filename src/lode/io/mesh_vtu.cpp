@@ -90,8 +90,8 @@ std::uint64_t vtu_bytes(const VtuLayout& layout) {
 std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
   std::uint64_t offset = 0;
   std::string xml;
-  if (!mesh.patches.empty())
-    xml += "<FieldData>\n" + vtk_patch_names(mesh.patches) + "</FieldData>\n";
+  const std::string names = vtk_region_names(mesh.region_names) + vtk_patch_names(mesh.patches);
+  if (!names.empty()) xml += "<FieldData>\n" + names + "</FieldData>\n";
   xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.positions.size(),
                      n_all_cells(mesh));
   xml += fmt::format("<PointData Scalars=\"{}\">\n", layout.value_name);

@@ -22,6 +22,7 @@ struct SurfaceLayout {
   bool has_errors = false;
   bool has_regions = false;
   std::vector<std::string> attributes{};  ///< Their names.
+  std::vector<MeshRegion> region_names{};
   std::vector<BoundaryPatch> patches{};
 
   [[nodiscard]] static SurfaceLayout of(const Surface& surface) {
@@ -38,6 +39,7 @@ struct SurfaceLayout {
             .has_errors = !surface.errors.empty(),
             .has_regions = !surface.regions.empty(),
             .attributes = std::move(names),
+            .region_names = surface.region_names,
             .patches = surface.patches};
   }
   [[nodiscard]] bool has_origin() const { return origin != Vec3d{{0, 0, 0}}; }

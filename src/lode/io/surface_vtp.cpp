@@ -84,14 +84,17 @@ std::uint64_t vtp_bytes(const VtpLayout& layout) {
 
 std::string vtp_head(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
   std::string xml = vtk_xml_head("PolyData", options.comment, options.frame);
-  if (surface.has_origin() || !surface.patches.empty()) xml += "<FieldData>\n";
+  const std::string names =
+      vtk_region_names(surface.region_names) + vtk_patch_names(surface.patches);
+  const bool has_notes = surface.has_origin() || !names.empty();
+  if (has_notes) xml += "<FieldData>\n";
   if (surface.has_origin())
     xml += fmt::format(
         "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"3\" "
         "NumberOfTuples=\"1\" format=\"ascii\">{} {} {}</DataArray>\n",
         kOriginNote, surface.origin[0], surface.origin[1], surface.origin[2]);
-  xml += vtk_patch_names(surface.patches);
-  if (surface.has_origin() || !surface.patches.empty()) xml += "</FieldData>\n";
+  xml += names;
+  if (has_notes) xml += "</FieldData>\n";
   xml += fmt::format(
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" "
       "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "lode/core/label.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -81,6 +82,23 @@ std::vector<std::string> find_regions_not_taken(const CellMesh& mesh, std::size_
   }
   for (const MeshField& field : mesh.point_fields)
     if (is_region_name(field.name)) found.push_back(fmt::format("{} (of points)", field.name));
+  return found;
+}
+
+std::vector<std::string> names_of_regions(const CellMesh& mesh, std::size_t regions,
+                                          std::span<const std::int64_t> ids) {
+  if (plain_name(mesh.cell_fields[regions].name) != "regionid") return {};
+  std::vector<std::string> found(ids.size());
+  bool has_any = false;
+  for (const MeshRegion& region : mesh.region_names) {
+    const auto at = std::lower_bound(ids.begin(), ids.end(), region.id);
+    if (at == ids.end() || *at != region.id || region.name == name_of(MeshRegion{region.id, {}}))
+      continue;
+    std::string& name = found[static_cast<std::size_t>(at - ids.begin())];
+    if (name.empty()) name = to_label(region.name);
+    has_any = has_any || !name.empty();
+  }
+  if (!has_any) found.clear();
   return found;
 }
 

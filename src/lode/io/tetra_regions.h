@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,5 +21,11 @@ namespace lode::io {
 /// no whole number)". `regions`: find_regions().
 [[nodiscard]] std::vector<std::string> find_regions_not_taken(const CellMesh& mesh,
                                                               std::size_t regions);
+
+/// By region, the names that the mesh has for RegionId, where that is the field of regions, as
+/// labels; of a number with several names the first. None at all where no region has one. "region
+/// 3" of region 3, as files have it that Lode wrote, is no name.
+[[nodiscard]] std::vector<std::string> names_of_regions(const CellMesh& mesh, std::size_t regions,
+                                                        std::span<const std::int64_t> ids);
 
 }  // namespace lode::io

@@ -130,13 +130,15 @@ void add_centres(const SplitCells& split, CellMesh& mesh, ChosenFields& chosen) 
   mesh.points.insert(mesh.points.end(), split.centres.begin(), split.centres.end());
 }
 
-void take_regions(const MeshField& field, const SplitCells& split, TetraMesh& result) {
+void take_regions(const CellMesh& mesh, std::size_t regions, const SplitCells& split,
+                  TetraMesh& result) {
   for (const std::uint32_t cell : split.cells)
-    result.region_ids.push_back(static_cast<std::int64_t>(field.values[cell]));
+    result.region_ids.push_back(static_cast<std::int64_t>(mesh.cell_fields[regions].values[cell]));
   std::vector<std::int64_t> by_tetrahedron = result.region_ids;
   std::sort(result.region_ids.begin(), result.region_ids.end());
   result.region_ids.erase(std::unique(result.region_ids.begin(), result.region_ids.end()),
                           result.region_ids.end());
+  result.region_names = names_of_regions(mesh, regions, result.region_ids);
   if (result.region_ids.size() < 2) return;
   for (const std::int64_t id : by_tetrahedron)
     result.regions.push_back(static_cast<std::uint32_t>(
@@ -220,8 +222,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   LODE_CHECK(take_patches(mesh, regions, faces, outcome.mesh, report));
   turn_round(mesh, mesh.points, faces, split, report);
   average_cells(mesh.points, split, chosen, report);
-  if (regions < mesh.cell_fields.size())
-    take_regions(mesh.cell_fields[regions], split, outcome.mesh);
+  if (regions < mesh.cell_fields.size()) take_regions(mesh, regions, split, outcome.mesh);
   take_vertices(mesh, std::move(chosen), std::move(split), outcome.mesh);
   count_vertices(n_given, outcome.mesh, report);
   return outcome;

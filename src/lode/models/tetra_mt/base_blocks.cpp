@@ -1,54 +1,71 @@
 #include "lode/models/tetra_mt/base_blocks.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <string_view>
 #include <utility>
 
+#include "lode/core/label.h"
+#include "lode/core/mesh_region.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 
 namespace lode::tetra_mt {
 namespace {
 
-Result<std::vector<BoundaryPatch>> read_patches(store::ByteReader& in, const std::string& path) {
+/// Numbers that ascend, with their names. `kind`: "regions"
+template <typename Named>
+Result<std::vector<Named>> read_named(store::ByteReader& in, const std::string& path,
+                                      std::string_view kind) {
   LODE_TRY(const auto n, in.read<std::uint32_t>());
-  if (n > kMaxPatches)
-    return fail("{}: metadata: expected up to {} patches, got {}", path, kMaxPatches, n);
-  std::vector<BoundaryPatch> patches;
+  constexpr std::size_t kFewestBytes = sizeof(std::int64_t) + sizeof(std::uint32_t);
+  if (n > in.n_left() / kFewestBytes)
+    return fail("{}: metadata: expected {} {} in {} bytes, got fewer", path, n, kind, in.n_left());
+  std::vector<Named> all;
   for (std::uint32_t i = 0; i < n; ++i) {
-    BoundaryPatch patch;
-    LODE_TRY(patch.id, in.read<std::int64_t>());
-    LODE_TRY(patch.name, in.read_string());
-    if (i > 0 && patch.id <= patches.back().id)
-      return fail("{}: metadata: expected patches that ascend, got {} after {}", path, patch.id,
-                  patches.back().id);
-    patches.push_back(std::move(patch));
+    Named one;
+    LODE_TRY(one.id, in.read<std::int64_t>());
+    LODE_TRY(one.name, in.read_string());
+    if (i > 0 && one.id <= all.back().id)
+      return fail("{}: metadata: expected {} that ascend, got {} after {}", path, kind, one.id,
+                  all.back().id);
+    if (const auto fault = label_fault(one.name))
+      return fail("{}: metadata: expected names of {} in one line of UTF-8, got {}", path, kind,
+                  *fault);
+    all.push_back(std::move(one));
   }
-  return patches;
+  return all;
 }
 
 }  // namespace
 
-void write_labels(std::span<const std::int64_t> region_ids, std::span<const BoundaryPatch> patches,
-                  store::ByteWriter& out) {
-  out.write(static_cast<std::uint32_t>(region_ids.size()));
-  for (const std::int64_t id : region_ids) out.write(id);
-  out.write(static_cast<std::uint32_t>(patches.size()));
-  for (const BoundaryPatch& patch : patches) {
+void write_labels(const HeadLabels& labels, store::ByteWriter& out) {
+  out.write(static_cast<std::uint32_t>(labels.region_ids.size()));
+  for (std::size_t i = 0; i < labels.region_ids.size(); ++i) {
+    out.write(labels.region_ids[i]);
+    out.write_string(labels.region_names.empty() ? std::string() : labels.region_names[i]);
+  }
+  out.write(static_cast<std::uint32_t>(labels.patches.size()));
+  for (const BoundaryPatch& patch : labels.patches) {
     out.write(patch.id);
     out.write_string(patch.name);
   }
 }
 
-Result<void> read_labels(store::ByteReader& in, const std::string& path,
-                         std::vector<std::int64_t>& region_ids,
-                         std::vector<BoundaryPatch>& patches) {
-  LODE_TRY(const auto n_regions, in.read<std::uint32_t>());
-  LODE_TRY(region_ids, in.read_all<std::int64_t>(n_regions));
-  if (std::ranges::adjacent_find(region_ids, std::greater_equal()) != region_ids.end())
-    return fail("{}: metadata: expected regions that ascend", path);
-  LODE_TRY(patches, read_patches(in, path));
-  return {};
+Result<HeadLabels> read_labels(store::ByteReader& in, const std::string& path) {
+  HeadLabels labels;
+  LODE_TRY(const auto regions, read_named<MeshRegion>(in, path, "regions"));
+  const bool has_names =
+      std::ranges::any_of(regions, [](const MeshRegion& each) { return !each.name.empty(); });
+  for (const MeshRegion& region : regions) {
+    labels.region_ids.push_back(region.id);
+    if (has_names) labels.region_names.push_back(region.name);
+  }
+  LODE_TRY(labels.patches, read_named<BoundaryPatch>(in, path, "patches"));
+  if (labels.patches.size() > kMaxPatches)
+    return fail("{}: metadata: expected up to {} patches, got {}", path, kMaxPatches,
+                labels.patches.size());
+  return labels;
 }
 
 Result<void> read_box(store::ByteReader& in, const std::string& path, Vec3d& lower, Vec3d& upper) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/core/boundary_patch.h"
@@ -24,12 +25,25 @@ namespace lode::tetra_mt {
 /// Vertices, tetrahedra or roots of the base in a block.
 inline constexpr std::uint32_t kBasePart = 1U << 16;
 
-/// Of metadata: regions, then patches.
-void write_labels(std::span<const std::int64_t> region_ids, std::span<const BoundaryPatch> patches,
-                  store::ByteWriter& out);
-[[nodiscard]] Result<void> read_labels(store::ByteReader& in, const std::string& path,
-                                       std::vector<std::int64_t>& region_ids,
-                                       std::vector<BoundaryPatch>& patches);
+/// Of metadata: regions, then patches, of a HierarchyHead or a ForestHead. What is read has no
+/// names of regions where none has one, else one each.
+struct HeadLabels {
+  std::vector<std::int64_t> region_ids;
+  std::vector<std::string> region_names;
+  std::vector<BoundaryPatch> patches;
+};
+template <typename Head>
+[[nodiscard]] HeadLabels labels_of(const Head& head) {
+  return {head.region_ids, head.region_names, head.patches};
+}
+template <typename Head>
+void take_labels(HeadLabels&& labels, Head& head) {
+  head.region_ids = std::move(labels.region_ids);
+  head.region_names = std::move(labels.region_names);
+  head.patches = std::move(labels.patches);
+}
+void write_labels(const HeadLabels& labels, store::ByteWriter& out);
+[[nodiscard]] Result<HeadLabels> read_labels(store::ByteReader& in, const std::string& path);
 /// Of metadata: a box, which is finite, and how far the boundary may be off.
 [[nodiscard]] Result<void> read_box(store::ByteReader& in, const std::string& path, Vec3d& lower,
                                     Vec3d& upper);

@@ -72,7 +72,7 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
   for (const Vec3d* corner : {&head.lower, &head.upper})
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
-  write_labels(head.region_ids, head.patches, out);
+  write_labels(labels_of(head), out);
   out.write(static_cast<std::uint32_t>(head.fields.size()));
   for (const HierarchyHead::Field& field : head.fields) {
     out.write_string(field.name);
@@ -103,7 +103,8 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   LODE_TRY(counts.n_roots, in.read<std::uint64_t>());
   LODE_CHECK(read_box(in, path, head.lower, head.upper));
   LODE_TRY(head.boundary_deviation, read_deviation(in, path));
-  LODE_CHECK(read_labels(in, path, head.region_ids, head.patches));
+  LODE_TRY(HeadLabels labels, read_labels(in, path));
+  take_labels(std::move(labels), head);
   head.shape.n_labels = n_labels_of(head.region_ids, head.patches);
   LODE_TRY(const auto n_fields, in.read<std::uint32_t>());
   if (n_fields < 1 || n_fields > kMaxFields)

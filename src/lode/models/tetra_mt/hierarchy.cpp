@@ -78,6 +78,7 @@ void HierarchyMaker::number_vertices() {
   }
   result_.mesh_vertices = vertices;
   result_.region_ids = mesh_.region_ids;
+  result_.region_names = mesh_.region_names;
   result_.patches = mesh_.patches;
   result_.boundary_deviation = collapses_.boundary_deviation;
   result_.has_errors_everywhere = collapses_.has_errors_everywhere;

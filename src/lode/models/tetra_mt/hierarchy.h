@@ -35,6 +35,7 @@ struct Hierarchy {
   double boundary_deviation = 0;           ///< HalfEdgeCollapses': of the base, and so of any cut.
   bool has_errors_everywhere = false;      ///< Likewise: facts' errors hold at all points.
   std::vector<std::int64_t> region_ids;    ///< The mesh's.
+  std::vector<std::string> region_names;   ///< TetraMesh's.
   std::vector<BoundaryPatch> patches;      ///< Likewise.
   /// By tetrahedron of the base: places in region_ids, or, of one to the vertex outside,
   /// patch_mark() of its face. Empty where there is one region at most and no patch.

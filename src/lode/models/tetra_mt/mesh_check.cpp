@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/core/label.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
 #include "lode/models/tetra_mt/interfaces.h"
 
@@ -24,6 +25,19 @@ Result<void> check_extent(const TetraMesh& mesh) {
   }
   if (extent == 0 || extent >= kSmallestExtent) return {};
   return fail("expected a mesh that is {} across or more, got one of {}", kSmallestExtent, extent);
+}
+
+Result<void> check_labels(const TetraMesh& mesh) {
+  if (!mesh.region_names.empty() && mesh.region_names.size() != mesh.region_ids.size())
+    return fail("expected no names of regions or {}, got {}", mesh.region_ids.size(),
+                mesh.region_names.size());
+  for (const std::string& name : mesh.region_names)
+    if (const auto fault = label_fault(name))
+      return fail("expected names of regions in one line of UTF-8, got {}", *fault);
+  for (const BoundaryPatch& patch : mesh.patches)
+    if (const auto fault = label_fault(patch.name))
+      return fail("expected names of patches in one line of UTF-8, got {}", *fault);
+  return {};
 }
 
 Result<void> check_patches(const TetraMesh& mesh) {
@@ -56,6 +70,7 @@ Result<void> check_mesh(const TetraMesh& mesh) {
     if (mesh.regions[i] >= mesh.region_ids.size())
       return fail("tetrahedron {}: expected a region below {}, got {}", i, mesh.region_ids.size(),
                   mesh.regions[i]);
+  LODE_CHECK(check_labels(mesh));
   LODE_CHECK(check_patches(mesh));
   for (const MeshField& field : mesh.fields) {
     if (field.values.size() != n)

@@ -80,6 +80,7 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   head.base = hierarchy.base;
   head.base_makers = hierarchy.base_makers;
   head.region_ids = hierarchy.region_ids;
+  head.region_names = hierarchy.region_names;
   head.patches = hierarchy.patches;
   head.boundary_deviation = hierarchy.boundary_deviation;
   head.base_regions = hierarchy.base_regions;

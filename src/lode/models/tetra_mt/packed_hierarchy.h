@@ -44,6 +44,7 @@ struct HierarchyHead {
   std::vector<Tetrahedron> base;            ///< With those to the vertex outside.
   std::vector<std::uint32_t> base_makers;   ///< By tetrahedron of the base: its node, or kNone.
   std::vector<std::int64_t> region_ids;     ///< As the file numbers them, ascending.
+  std::vector<std::string> region_names;    ///< TetraMesh's.
   std::vector<BoundaryPatch> patches;       ///< By id, ascending.
   std::vector<std::uint32_t> base_regions;  ///< Hierarchy's.
 

@@ -88,7 +88,7 @@ std::vector<std::byte> encode_head(const ForestHead& head) {
   for (const Vec3d* corner : {&head.box.lower, &head.box.upper})
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
-  write_labels(head.region_ids, head.patches, out);
+  write_labels(labels_of(head), out);
   out.write_string(head.field);
   out.write(static_cast<std::uint8_t>(head.type));
   for (const double x : {head.base_error, head.low, head.high}) out.write(x);
@@ -119,7 +119,8 @@ Result<ForestHead> decode_head(std::span<const std::byte> bytes, const std::stri
   LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
   LODE_CHECK(read_box(in, path, head.box.lower, head.box.upper));
   LODE_TRY(head.boundary_deviation, read_deviation(in, path));
-  LODE_CHECK(read_labels(in, path, head.region_ids, head.patches));
+  LODE_TRY(HeadLabels labels, read_labels(in, path));
+  take_labels(std::move(labels), head);
   LODE_CHECK(read_field(in, path, head));
   LODE_TRY(head.scales, read_scales(in, path));
   LODE_TRY(head.codes, read_codes(in, path, head));

@@ -16,7 +16,7 @@ namespace lode::tetra_mt::midpoint {
 enum class Kind : std::uint32_t { table = 1, roots = 2, base_tetrahedra = 3, page = 4 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 1;
+inline constexpr std::uint32_t kLayout = 2;
 
 /// Pages of which a block of the table tells.
 inline constexpr std::uint32_t kTablePart = 1U << 12;

@@ -110,6 +110,7 @@ struct ForestHead {
   std::vector<std::uint32_t> root_facts;  ///< and facts, 0 of leaves.
   ExactLeaves base_exact;                 ///< Of leaves that are roots.
   std::vector<std::int64_t> region_ids;   ///< The mesh's.
+  std::vector<std::string> region_names;  ///< TetraMesh's.
   std::vector<BoundaryPatch> patches;     ///< Likewise.
   PageTable pages;
 

@@ -108,6 +108,7 @@ void HierarchyMaker::describe() {
   made_.type = field.type;
   made_.n_cells = mesh_.tetrahedra.size();
   made_.region_ids = mesh_.region_ids;
+  made_.region_names = mesh_.region_names;
   made_.patches = mesh_.patches;
   made_.scales = Scales(mesh_);
   made_.wide.assign(n_ + std::size_t{n_nodes()}, kNone);
