@@ -43,10 +43,12 @@ std::vector<std::string> split(const std::string& text) {
 Result<std::vector<StepToRead>> steps_of(const AttachArguments& arguments) {
   std::vector<StepToRead> steps;
   for (std::size_t i = 1; i + 1 < arguments.files.size(); ++i)
-    for (const std::string& step : split(arguments.reading.time)) {
-      StepToRead& made = steps.emplace_back(StepToRead{arguments.files[i], arguments.reading});
-      made.reading.time = step;
-    }
+    for (const std::string& solution : split(arguments.reading.solution))
+      for (const std::string& step : split(arguments.reading.time)) {
+        StepToRead& made = steps.emplace_back(StepToRead{arguments.files[i], arguments.reading});
+        made.reading.solution = solution;
+        made.reading.time = step;
+      }
   if (arguments.at.empty()) {
     if (steps.size() > 1)
       return fail("--at: expected the times of {} steps as T,T,..., got none", steps.size());
@@ -75,6 +77,7 @@ Result<void> check_attach(const AttachArguments& arguments) {
     if (!is_cells_path(step.path)) return fail("{}: expected a mesh of cells", step.path);
     LODE_CHECK(check_tetra_reading(step.reading, step.path));
     inputs.push_back(step.path);
+    if (!step.reading.solution.empty()) inputs.push_back(step.reading.solution);
   }
   return check_paths_differ(inputs, {arguments.output()});
 }
@@ -87,7 +90,9 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
     if (at == steps.size()) return std::optional<TetraStep>();
     const StepToRead& step = steps[at++];
     LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(step.path, step.reading, session));
-    return std::optional(TetraStep{std::move(made.mesh), step.time, step.path});
+    const std::string& solution = step.reading.solution;
+    return std::optional(TetraStep{std::move(made.mesh), step.time,
+                                   solution.empty() ? step.path : step.path + ", " + solution});
   };
   LODE_TRY(const TetraAttachReport report,
            attach_fields(arguments.model(), arguments.output(), next, session.threads(),
@@ -124,6 +129,8 @@ Command add_attach_command(CLI::App& program) {
       "Examples:\n  lode attach-field wing.lode wing.vtu two.lode --field Pressure\n"
       "  lode attach-field wing.lode s1.vtu s2.vtu all.lode --field Density --at 0.1,0.2\n"
       "  lode attach-field run.lode run.e all.lode --field T --time 1,2,3 --at 10,20,30\n"
+      "  lode attach-field run.lode run.mesh all.lode --field solution --solution 1.sol,2.sol --at "
+      "1,2\n"
       "  lode extract all.lode t2.vtu --mesh --field Density --time 2");
   app->add_option("files", arguments->files, "MODEL.lode, meshes, and the OUT.lode to make")
       ->type_name("MODEL MESH... OUT")

@@ -98,8 +98,8 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 bool ReadingArguments::is_empty() const {
   return field.empty() && with.empty() && component.empty() && time.empty() && nodata.empty() &&
          dims.empty() && type.empty() && spacing.empty() && origin.empty() && byte_order.empty() &&
-         weld.empty() && weld_values.empty() && linearise.empty() && placement.empty() &&
-         order.empty() && !is_fast;
+         weld.empty() && weld_values.empty() && linearise.empty() && solution.empty() &&
+         placement.empty() && order.empty() && !is_fast;
 }
 
 std::string ReadingArguments::component_number() const {
@@ -138,6 +138,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
       "... where all fields differ by no more than this (default: 0); others stay apart");
   add("--linearise", arguments.linearise, "corners",
       "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
+  add("--solution", arguments.solution, "FILE",
+      "Of a MEDIT mesh: .sol or .solb with values at its vertices (default: that of its name)");
   add("--placement", arguments.placement, "half-edge|midpoint",
       "Of a mesh of cells that is built: where edges collapse to (default: one of their ends); "
       "midpoints are of one field");
@@ -155,10 +157,10 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
   if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty() ||
       !arguments.with.empty() || !arguments.placement.empty() || !arguments.order.empty() ||
-      arguments.is_fast)
+      arguments.is_fast || !arguments.solution.empty())
     return fail(
-        "--with, --weld, --weld-values, --linearise, --placement, --order and --fast: expected a "
-        "mesh of cells with them");
+        "--with, --weld, --weld-values, --linearise, --solution, --placement, --order and --fast: "
+        "expected a mesh of cells with them");
   ReadOptions options;
   options.threads = threads;
   if (!arguments.field.empty()) options.field = arguments.field;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "parse.h"
@@ -232,6 +233,14 @@ const char* name_of(ErrorPlace place) {
   return place == ErrorPlace::everywhere ? "everywhere" : "at samples";
 }
 
+bool is_medit_path(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return extension == ".mesh" || extension == ".meshb";
+}
+
 Result<void> check_tetra_reading(const ReadingArguments& reading, const std::string& path) {
   ReadingArguments others = reading;
   others.field.clear();
@@ -253,6 +262,9 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   others.weld.clear();
   others.weld_values.clear();
   others.linearise.clear();
+  if (is_medit_path(path)) others.solution.clear();
+  if (!others.solution.empty())
+    return fail("--solution: expected a MEDIT mesh (.mesh or .meshb) with it, got {}", path);
   if (needs_vtk_import(path) && !others.time.empty()) {
     LODE_CHECK(parse_integer("--time", others.time, 0, kMaxStep));
     others.time.clear();
@@ -280,8 +292,9 @@ std::string why_missing(const CellMesh& cells, const std::string& field) {
   for (const std::string& skipped : cells.skipped_arrays)
     if (!field.empty() && (skipped == field || skipped.starts_with(field + " ")))
       return fmt::format("; {} is left out, as it has no number at each point or cell", skipped);
-  if (cells.path.ends_with(".mesh"))
-    return "; MEDIT's .mesh holds no fields but references, and .sol files are not read";
+  if (is_medit_path(cells.path) && cells.point_fields.empty())
+    return "; MEDIT's meshes hold no fields but references, and no .sol or .solb of the same name "
+           "lies beside it: --solution names another";
   return {};
 }
 

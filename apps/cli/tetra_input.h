@@ -33,6 +33,9 @@ struct TetraInput {
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);
 
+/// Whether a mesh is named as MEDIT's are, whose fields are in files of their own.
+[[nodiscard]] bool is_medit_path(const std::string& path);
+
 /// As --order has it, of arguments that can be meant.
 [[nodiscard]] std::string name_of_order(const ReadingArguments& reading);
 /// How a hierarchy is built; without what a file's build alone is told.

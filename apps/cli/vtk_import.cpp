@@ -211,7 +211,7 @@ bool holds_cells(const std::string& path) {
 
 Result<CellMesh> read_cells(const std::string& path, const ReadingArguments& reading,
                             Session& session) {
-  if (!needs_vtk_import(path)) return read_cell_mesh(path, {});
+  if (!needs_vtk_import(path)) return read_cell_mesh(path, {.solution = reading.solution});
   const auto importer = find_importer();
   if (!importer)
     return fail(

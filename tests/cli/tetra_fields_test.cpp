@@ -299,7 +299,7 @@ TEST_F(cli_tetra_fields, that_are_left_out_are_named_with_the_reason) {
     std::vector<std::string> words{"build", medit, scratch_ / "x.lode"};
     words.insert(words.end(), field.begin(), field.end());
     refused(words, "(RegionId)");
-    refused(words, ".sol files are not read");
+    refused(words, "no .sol or .solb of the same name lies beside it");
   }
 }
 

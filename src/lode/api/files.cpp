@@ -54,7 +54,7 @@ bool is_lode_path(const std::string& path) {
 }
 
 bool is_cell_mesh_path(const std::string& path) {
-  for (const char* const extension : {".vtu", ".vts", ".msh", ".mesh"})
+  for (const char* const extension : {".vtu", ".vts", ".msh", ".mesh", ".meshb"})
     if (has_extension(path, extension)) return true;
   if (!has_extension(path, ".vtk")) return false;
   constexpr std::size_t kHeader = 1024;

@@ -96,8 +96,8 @@ using io::write_vtu;
 /// Whether `path` is to be opened as a .lode file: it is named so (any case), or starts as one.
 [[nodiscard]] bool is_lode_path(const std::string& path);
 
-/// Whether `path` is read as a mesh of cells: it is named .vtu, .vts, .msh or .mesh, or is a legacy
-/// .vtk file whose header says so.
+/// Whether `path` is read as a mesh of cells: it is named .vtu, .vts, .msh, .mesh or .meshb, or is
+/// a legacy .vtk file whose header says so.
 [[nodiscard]] bool is_cell_mesh_path(const std::string& path);
 /// Whether a path is a mesh of cells by its name, or a .lode file of the model tetra_mt.
 [[nodiscard]] bool holds_tetrahedra(const std::string& path);

@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "lode/io/mesh_checks.h"
-#include "lode/io/mesh_text.h"
-#include "lode/io/text.h"
+#include "lode/io/mesh_medit_input.h"
+#include "lode/io/mesh_medit_solution.h"
 
 namespace lode::io {
 namespace {
@@ -26,48 +26,34 @@ constexpr std::array<MeditKind, 8> kMeditKinds = {{{"edges", CellType::line, 2},
                                                    {"pyramids", CellType::pyramid, 5},
                                                    {"hexahedra", CellType::hexahedron, 8}}};
 
-Result<std::int64_t> medit_whole(MeshText& text, std::string_view what, std::int64_t low,
-                                 std::int64_t high) {
-  const std::string_view word = text.word();
-  const auto number = to_int64(word);
-  if (number && *number >= low && *number <= high) return *number;
-  return fail("{}: expected {} from {} to {} before byte {}, got {}", text.path(), what, low, high,
-              text.position(), in_quotes(word));
-}
+constexpr auto kMostThings = static_cast<std::int64_t>(kMaxMeshCount);
 
-Result<std::int64_t> medit_reference(MeshText& text) {
+Result<std::int64_t> medit_reference(MeditInput& input) {
   using Limits = std::numeric_limits<std::int32_t>;
-  return medit_whole(text, "a reference", Limits::min(), Limits::max());
+  return input.whole("a reference", Limits::min(), Limits::max());
 }
 
-Result<void> read_vertices(MeshText& text, CellMesh& mesh) {
-  LODE_TRY(const std::int64_t n,
-           medit_whole(text, "a number of vertices", 0, static_cast<std::int64_t>(kMaxMeshCount)));
+Result<void> read_vertices(MeditInput& input, CellMesh& mesh) {
+  LODE_TRY(const std::int64_t n, input.whole("a number of vertices", 0, kMostThings));
   for (std::int64_t i = 0; i < n; ++i) {
     Vec3d point;
     for (double& x : point.v) {
-      const std::string_view word = text.word();
-      const auto number = to_double(word);
-      if (!number)
-        return fail("{}: expected a coordinate before byte {}, got {}", text.path(),
-                    text.position(), in_quotes(word));
-      x = *number;
+      LODE_TRY(x, input.real("a coordinate"));
     }
-    LODE_TRY([[maybe_unused]] const std::int64_t reference, medit_reference(text));
+    LODE_TRY([[maybe_unused]] const std::int64_t reference, medit_reference(input));
     mesh.points.push_back(point);
   }
   return {};
 }
 
-Result<void> read_medit_cells(MeshText& text, const MeditKind& kind, CellMesh& mesh) {
-  constexpr auto kMaxCorner = static_cast<std::int64_t>(kMaxMeshCount);
-  LODE_TRY(const std::int64_t n, medit_whole(text, "a number of cells", 0, kMaxCorner));
+Result<void> read_medit_cells(MeditInput& input, const MeditKind& kind, CellMesh& mesh) {
+  LODE_TRY(const std::int64_t n, input.whole("a number of cells", 0, kMostThings));
   for (std::int64_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < kind.n_corners; ++k) {
-      LODE_TRY(const std::int64_t id, medit_whole(text, "a vertex", 1, kMaxCorner));
+      LODE_TRY(const std::int64_t id, input.whole("a vertex", 1, kMostThings));
       mesh.corners.push_back(static_cast<std::uint32_t>(id - 1));
     }
-    LODE_TRY(const std::int64_t reference, medit_reference(text));
+    LODE_TRY(const std::int64_t reference, medit_reference(input));
     mesh.begins.push_back(mesh.corners.size());
     mesh.types.push_back(static_cast<std::uint8_t>(kind.type));
     mesh.cell_fields[0].values.push_back(static_cast<double>(reference));
@@ -75,29 +61,32 @@ Result<void> read_medit_cells(MeshText& text, const MeditKind& kind, CellMesh& m
   return {};
 }
 
-Result<void> read_medit_dimension(MeshText& text) {
-  LODE_TRY(const std::int64_t n, medit_whole(text, "a dimension", 0, 99));
+Result<void> read_medit_dimension(MeditInput& input) {
+  LODE_TRY(const std::int64_t n, input.small("a dimension", 0, 99));
   if (n == 3) return {};
-  return fail("{}: expected a mesh of 3 dimensions, got {}", text.path(), n);
+  return fail("{}: expected a mesh of 3 dimensions, got {}", input.where(), n);
 }
 
 }  // namespace
 
 Result<CellMesh> read_medit_mesh(const std::string& path, const MeshReadOptions& options) {
-  LODE_TRY(MeshText text, MeshText::open(path, options));
-  text.blank_comments('#');
+  LODE_TRY(MeditInput input, MeditInput::open(path, options));
   CellMesh mesh;
   mesh.path = path;
   mesh.begins = {0};
   mesh.cell_fields = {{"RegionId", ScalarType::int32, 1, {}}};
   while (true) {
-    const std::string keyword = to_lower(text.word());
-    if (keyword.empty() || keyword == "end") return mesh;
-    if (keyword == "dimension") LODE_CHECK(read_medit_dimension(text));
-    if (keyword == "vertices") LODE_CHECK(read_vertices(text, mesh));
+    LODE_TRY(const std::string keyword, input.keyword());
+    if (keyword.empty() || keyword == "end") break;
+    if (keyword == "dimension") LODE_CHECK(read_medit_dimension(input));
+    if (keyword == "vertices") LODE_CHECK(read_vertices(input, mesh));
     for (const MeditKind& kind : kMeditKinds)
-      if (keyword == kind.keyword) LODE_CHECK(read_medit_cells(text, kind, mesh));
+      if (keyword == kind.keyword) LODE_CHECK(read_medit_cells(input, kind, mesh));
   }
+  const std::string solution =
+      options.solution.empty() ? medit_solution_of(path) : options.solution;
+  if (!solution.empty()) LODE_CHECK(add_medit_solution(solution, options, mesh));
+  return mesh;
 }
 
 }  // namespace lode::io

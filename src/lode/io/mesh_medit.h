@@ -8,9 +8,10 @@
 
 namespace lode::io {
 
-/// MEDIT's text form (.mesh) in three dimensions: vertices, and edges, triangles, quadrilaterals,
-/// tetrahedra, prisms, pyramids and hexahedra, whose references become the cell field RegionId;
-/// other keywords are passed over. For read_cell_mesh(), which checks the corners of cells.
+/// MEDIT's meshes, text (.mesh) or binary (.meshb), in three dimensions: vertices, and edges,
+/// triangles, quadrilaterals, tetrahedra, prisms, pyramids and hexahedra, whose references become
+/// the cell field RegionId; other keywords are passed over. Fields come from the solution that the
+/// options name, or that lies beside it. For read_cell_mesh(), which checks the corners of cells.
 [[nodiscard]] Result<CellMesh> read_medit_mesh(const std::string& path,
                                                const MeshReadOptions& options);
 

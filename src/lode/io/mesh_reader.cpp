@@ -22,8 +22,8 @@ namespace {
 
 enum class MeshForm { vtk_xml, vtk_legacy, gmsh, medit };
 
-constexpr std::array<std::string_view, 5> kMeshExtensions = {".vtu", ".vts", ".vtk", ".msh",
-                                                             ".mesh"};
+constexpr std::array<std::string_view, 6> kMeshExtensions = {".vtu", ".vts",  ".vtk",
+                                                             ".msh", ".mesh", ".meshb"};
 
 /// What a file begins as.
 Result<MeshForm> mesh_form_of(const std::string& path) {
@@ -34,14 +34,16 @@ Result<MeshForm> mesh_form_of(const std::string& path) {
                                     [&](std::string_view end) { return lower.ends_with(end); });
   if (!is_known)
     return fail(
-        "{}: expected a mesh of a known format (.vtu .vts .vtk .msh .mesh), got extension {}", path,
-        in_quotes(std::filesystem::path(path).extension().string()));
+        "{}: expected a mesh of a known format (.vtu .vts .vtk .msh .mesh .meshb), got extension "
+        "{}",
+        path, in_quotes(std::filesystem::path(path).extension().string()));
   std::string start(static_cast<std::size_t>(std::min(kMaxStart, file->size())), '\0');
   LODE_CHECK(file->read(0, std::as_writable_bytes(std::span(start.data(), start.size()))));
   if (start.starts_with("# vtk DataFile")) return MeshForm::vtk_legacy;
   if (start.find("<VTKFile") != std::string::npos) return MeshForm::vtk_xml;
   if (start.find("$MeshFormat") != std::string::npos) return MeshForm::gmsh;
-  if (start.find("MeshVersionFormatted") != std::string::npos) return MeshForm::medit;
+  if (start.find("MeshVersionFormatted") != std::string::npos || lower.ends_with(".meshb"))
+    return MeshForm::medit;
   return fail("{}: expected VTK XML, legacy VTK, Gmsh or MEDIT text, got {}", path,
               in_quotes(std::string_view(start).substr(0, 20)));
 }
@@ -57,6 +59,9 @@ Result<CellMesh> read_form(MeshForm form, const std::string& path, const MeshRea
 
 Result<CellMesh> read_and_check(const std::string& path, const MeshReadOptions& options) {
   LODE_TRY(const MeshForm form, mesh_form_of(path));
+  if (form != MeshForm::medit && !options.solution.empty())
+    return fail("{}: expected a MEDIT mesh with the solution {}, got another", path,
+                options.solution);
   LODE_TRY(CellMesh mesh, read_form(form, path, options));
   LODE_CHECK(check_cell_mesh(mesh));
   return mesh;

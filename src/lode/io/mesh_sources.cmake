@@ -14,6 +14,8 @@ set(IO_MESH_SOURCES
   mesh_gmsh_input.cpp
   mesh_gmsh_output.cpp
   mesh_medit.cpp
+  mesh_medit_input.cpp
+  mesh_medit_solution.cpp
   mesh_numbers.cpp
   mesh_patches.cpp
   mesh_pieces.cpp

@@ -43,6 +43,7 @@ Result<MeshText> MeshText::open(const std::string& path, const MeshReadOptions& 
 std::string_view MeshText::word() {
   while (position_ < bytes_.size() && is_blank(bytes_[position_])) ++position_;
   const std::size_t begin = position_;
+  word_begin_ = begin;
   while (position_ < bytes_.size() && !is_blank(bytes_[position_])) ++position_;
   const std::string_view found = std::string_view(bytes_).substr(begin, position_ - begin);
   if (position_ < bytes_.size()) ++position_;
@@ -92,12 +93,26 @@ Result<std::int64_t> MeshText::binary_whole(ScalarType type, ByteOrder order) {
                                    : number_of<std::int64_t>(bytes, order);
 }
 
-Result<double> MeshText::binary_real(ByteOrder order) {
-  if (sizeof(double) > bytes_.size() - position_)
+Result<double> MeshText::binary_real(ByteOrder order, ScalarType type) {
+  if (size_of(type) > bytes_.size() - position_)
     return fail("{}: expected a number at byte {}, got the end of the file", path_, position_);
   const std::string_view bytes = std::string_view(bytes_).substr(position_);
-  position_ += sizeof(double);
-  return number_of<double>(bytes, order);
+  position_ += size_of(type);
+  return type == ScalarType::float32 ? static_cast<double>(number_of<float>(bytes, order))
+                                     : number_of<double>(bytes, order);
+}
+
+std::size_t MeshText::line_number() const {
+  const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(word_begin_);
+  return 1 + static_cast<std::size_t>(std::count(bytes_.begin(), end, '\n'));
+}
+
+Result<void> MeshText::seek(std::size_t position) {
+  if (position > bytes_.size())
+    return fail("{}: expected something at byte {}, got the end of the file at {}", path_, position,
+                bytes_.size());
+  position_ = position;
+  return {};
 }
 
 }  // namespace lode::io

@@ -22,6 +22,14 @@ class MeshText {
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] std::size_t position() const { return position_; }
   [[nodiscard]] std::size_t n_left() const { return bytes_.size() - position_; }
+  /// The file's first bytes.
+  [[nodiscard]] std::string_view start(std::size_t n) const {
+    return std::string_view(bytes_).substr(0, n);
+  }
+  /// Of the last word, from 1. Takes as long as to look at all before it.
+  [[nodiscard]] std::size_t line_number() const;
+  /// Continues at a byte; fails where it is beyond the end.
+  [[nodiscard]] Result<void> seek(std::size_t position);
 
   /// The next word; the one separator after it is used up. Empty at the end of the file.
   [[nodiscard]] std::string_view word();
@@ -36,7 +44,8 @@ class MeshText {
   [[nodiscard]] Result<double> real(std::string_view what);
   /// The next bytes as a number.
   [[nodiscard]] Result<std::int64_t> binary_whole(ScalarType type, ByteOrder order);
-  [[nodiscard]] Result<double> binary_real(ByteOrder order);
+  /// `type`: float32 or float64.
+  [[nodiscard]] Result<double> binary_real(ByteOrder order, ScalarType type = ScalarType::float64);
 
  private:
   explicit MeshText(std::string path) : path_(std::move(path)) {}
@@ -44,6 +53,7 @@ class MeshText {
   std::string path_;
   std::string bytes_;
   std::size_t position_ = 0;
+  std::size_t word_begin_ = 0;  ///< Of the last one.
 };
 
 }  // namespace lode::io
