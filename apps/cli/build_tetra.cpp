@@ -143,6 +143,11 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
     }
     json[std::string(name) + "s"] = std::move(list);
   };
+  json["times"] = cells.times;
+  if (!cells.times.empty())
+    table.add({"time steps",
+               fmt::format("{}, at {} to {}", cells.times.size(),
+                           format_number(cells.times.front()), format_number(cells.times.back()))});
   add_fields("point field", cells.point_fields);
   add_fields("cell field", cells.cell_fields);
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));

@@ -28,6 +28,7 @@ struct StepToRead {
   std::string path;
   ReadingArguments reading;
   std::optional<double> time{};
+  bool has_own_time = false;  ///< It is the file's.
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -49,11 +50,10 @@ Result<std::vector<StepToRead>> steps_of(const AttachArguments& arguments) {
         made.reading.solution = solution;
         made.reading.time = step;
       }
-  if (arguments.at.empty()) {
-    if (steps.size() > 1)
-      return fail("--at: expected the times of {} steps as T,T,..., got none", steps.size());
-    return steps;
-  }
+  const bool is_told_by_files =
+      arguments.at == "file" || (arguments.at.empty() && steps.size() > 1);
+  for (StepToRead& step : steps) step.has_own_time = is_told_by_files;
+  if (is_told_by_files || arguments.at.empty()) return steps;
   const std::vector<std::string> times = split(arguments.at);
   if (times.size() != steps.size())
     return fail("--at: expected {} times, one for each step, got {}", steps.size(), times.size());
@@ -91,7 +91,12 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
     const StepToRead& step = steps[at++];
     LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(step.path, step.reading, session));
     const std::string& solution = step.reading.solution;
-    return std::optional(TetraStep{std::move(made.mesh), step.time,
+    if (step.has_own_time && !made.report.time)
+      return fail(
+          "--at: expected the times of {} steps as T,T,..., as {} does not say its own, got none",
+          steps.size(), step.path);
+    return std::optional(TetraStep{std::move(made.mesh),
+                                   step.has_own_time ? made.report.time : step.time,
                                    solution.empty() ? step.path : step.path + ", " + solution});
   };
   LODE_TRY(const TetraAttachReport report,
@@ -129,13 +134,16 @@ Command add_attach_command(CLI::App& program) {
       "Examples:\n  lode attach-field wing.lode wing.vtu two.lode --field Pressure\n"
       "  lode attach-field wing.lode s1.vtu s2.vtu all.lode --field Density --at 0.1,0.2\n"
       "  lode attach-field run.lode run.e all.lode --field T --time 1,2,3 --at 10,20,30\n"
+      "  lode attach-field run.lode run.msh all.lode --field T --time 0,1,2\n"
       "  lode attach-field run.lode run.mesh all.lode --field solution --solution 1.sol,2.sol --at "
       "1,2\n"
       "  lode extract all.lode t2.vtu --mesh --field Density --time 2");
   app->add_option("files", arguments->files, "MODEL.lode, meshes, and the OUT.lode to make")
       ->type_name("MODEL MESH... OUT")
       ->required();
-  app->add_option("--at", arguments->at, "The time of each step, in any unit, as T,T,...")
+  app->add_option("--at", arguments->at,
+                  "The time of each step, in any unit, as T,T,...; or 'file', as the files say it "
+                  "(default of several steps)")
       ->type_name("T");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_attach(*arguments); },

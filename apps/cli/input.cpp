@@ -125,7 +125,7 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
       "Which scalar of a vector, or channel, from 0 (default of meshes of cells: magnitude)");
   add("--time", arguments.time, "N",
       "Time step, from 0; of a .lode file in order of time, for all fields alike (default: the "
-      "first; of what lode-vtk-import reads: the last)");
+      "first; of what lode-vtk-import reads, and of Gmsh's fields at several times: the last)");
   add("--nodata", arguments.nodata, "V", "Samples with this value are holes");
   add("--dims", arguments.dims, "XxYxZ", "Samples per axis of a raw file");
   add("--type", arguments.type, "TYPE", "uint8, int16, float32, ... of a raw file");

@@ -265,7 +265,7 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   if (is_medit_path(path)) others.solution.clear();
   if (!others.solution.empty())
     return fail("--solution: expected a MEDIT mesh (.mesh or .meshb) with it, got {}", path);
-  if (needs_vtk_import(path) && !others.time.empty()) {
+  if (may_have_steps(path) && !others.time.empty()) {
     LODE_CHECK(parse_integer("--time", others.time, 0, kMaxStep));
     others.time.clear();
   }
@@ -304,6 +304,9 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
                                           Session& session) {
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cells(path, reading, session));
+  if (!reading.time.empty() && !needs_vtk_import(path) && cells.times.empty())
+    return fail("{}: expected no --time, as it has no field at several times, got {}", path,
+                reading.time);
   const std::string why = why_missing(cells, reading.field);
   std::string names;
   for (const auto* fields : {&cells.point_fields, &cells.cell_fields})

@@ -34,7 +34,7 @@ Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info,
   const bool has_steps = std::ranges::any_of(info.fields, [&](const TetraFieldInfo& field) {
     return field.time && std::ranges::find(options.fields, field.name) != options.fields.end();
   });
-  if (!job.reading.time.empty() && !has_steps && !needs_vtk_import(job.original))
+  if (!job.reading.time.empty() && !has_steps && !may_have_steps(job.original))
     return fail("--time: expected none, as neither {} nor what is compared of {} has steps, got {}",
                 job.original, job.input, job.reading.time);
   LODE_TRY(original.fields,

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "parse.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -28,6 +29,15 @@ namespace {
 constexpr const char* kImporter = "lode-vtk-import";
 constexpr std::array kImported{".e",    ".exo", ".ex2", ".g",    ".cgns", ".case", ".encas",
                                ".foam", ".xyz", ".p3d", ".pvtu", ".pvts", ".vtm"};
+
+constexpr std::int64_t kMostFileSteps = 1'000'000'000;
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
 
 bool is_foam_case(const std::string& path) {
   std::error_code status;
@@ -191,12 +201,31 @@ std::vector<BoundaryPatch> read_patch_names(const std::string& path) {
   return patches;
 }
 
+bool is_gmsh_path(const std::string& path) { return lower_extension(path) == ".msh"; }
+
+/// What Lode reads itself.
+Result<CellMesh> read_own_cells(const std::string& path, const ReadingArguments& reading,
+                                Session& session) {
+  MeshReadOptions options{.solution = reading.solution};
+  if (is_gmsh_path(path) && !reading.time.empty()) {
+    LODE_TRY(const std::int64_t step, parse_integer("--time", reading.time, 0, kMostFileSteps));
+    options.step = static_cast<std::size_t>(step);
+  }
+  LODE_TRY(CellMesh mesh, read_cell_mesh(path, options));
+  if (!mesh.times.empty())
+    session.note(fmt::format("{}: step {} of 0 to {} (time {})", path, mesh.step,
+                             mesh.times.size() - 1, mesh.times[mesh.step]));
+  return mesh;
+}
+
 }  // namespace
 
+bool may_have_steps(const std::string& path) {
+  return needs_vtk_import(path) || is_gmsh_path(path);
+}
+
 bool needs_vtk_import(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string extension = lower_extension(path);
   if (extension == ".vtu" || extension == ".vts") return is_packed_for_vtk(path);
   return std::ranges::find(kImported, extension) != kImported.end() || is_foam_case(path);
 }
@@ -211,7 +240,7 @@ bool holds_cells(const std::string& path) {
 
 Result<CellMesh> read_cells(const std::string& path, const ReadingArguments& reading,
                             Session& session) {
-  if (!needs_vtk_import(path)) return read_cell_mesh(path, {.solution = reading.solution});
+  if (!needs_vtk_import(path)) return read_own_cells(path, reading, session);
   const auto importer = find_importer();
   if (!importer)
     return fail(

@@ -43,6 +43,77 @@ std::string write_still(const std::string& path) {
   return path;
 }
 
+/// A mesh in Gmsh's form with three steps of heat, t + 1 times the noise.
+void write_gmsh_steps(const std::string& path) {
+  const TetraMesh noise = oracles::noise_mesh(7, oracles::Cut::in_six, 5);
+  std::ofstream file(path);
+  file.precision(17);
+  file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" << noise.positions.size() << '\n';
+  for (std::size_t v = 0; v < noise.positions.size(); ++v) {
+    const Vec3d& p = noise.positions[v];
+    file << v + 1 << ' ' << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+  }
+  file << "$EndNodes\n$Elements\n" << noise.tetrahedra.size() << '\n';
+  for (std::size_t i = 0; i < noise.tetrahedra.size(); ++i) {
+    const auto& [a, b, c, d] = noise.tetrahedra[i];
+    file << i + 1 << " 4 2 1 1 " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << ' ' << d + 1 << '\n';
+  }
+  file << "$EndElements\n";
+  for (const double time : {0.0, 0.5, 2.0}) {
+    file << "$NodeData\n1\n\"heat\"\n1\n"
+         << time << "\n3\n"
+         << 2 * time << "\n1\n"
+         << noise.positions.size() << '\n';
+    for (std::size_t v = 0; v < noise.positions.size(); ++v)
+      file << v + 1 << ' ' << (time + 1) * noise.fields[0].values[v] << '\n';
+    file << "$EndNodeData\n";
+  }
+}
+
+TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
+  const std::string mesh = scratch_ / "steps.msh";
+  const std::string model = scratch_ / "steps.lode";
+  const std::string all = scratch_ / "all.lode";
+  const std::string still = write_still(scratch_ / "still.vtk");
+  write_gmsh_steps(mesh);
+  const nlohmann::json info = done({"info", mesh});
+  EXPECT_EQ(info.at("times"), nlohmann::json({0.0, 0.5, 2.0}));
+  EXPECT_EQ(info.at("point fields").size(), 1U);
+  const auto high = [&](const nlohmann::json& report) {
+    return report.at("fields")[0].at("range")[1].get<double>();
+  };
+  const double last = high(done({"build", mesh, model, "--field", "heat"}));
+  const double first = high(done({"build", mesh, model, "--field", "heat", "--time", "0"}));
+  EXPECT_NEAR(last, 3 * first, 1e-12);
+  EXPECT_NE(run_lode({"info", mesh, "--time", "1"}).err.find("step 1 of 0 to 2 (time 0.5)"),
+            std::string::npos);
+  refused({"build", mesh, model, "--field", "heat", "--time", "3"},
+          "expected a step from 0 to 2, got 3");
+  // Times are the file's, unless they are told.
+  const nlohmann::json attached =
+      done({"attach-field", model, mesh, all, "--field", "heat", "--time", "0,1,2"});
+  ASSERT_EQ(attached.at("fields").size(), 4U);
+  EXPECT_FALSE(attached.at("fields")[0].contains("time"));
+  EXPECT_EQ(attached.at("fields")[2].at("time"), 0.5);
+  EXPECT_EQ(attached.at("fields")[3].at("time"), 2);
+  EXPECT_NEAR(attached.at("fields")[3].at("range")[1].get<double>(), last, 1e-12);
+  EXPECT_EQ(
+      done({"attach-field", model, mesh, all, "--field", "heat", "--time", "1", "--at", "file"})
+          .at("fields")[1]
+          .at("time"),
+      0.5);
+  EXPECT_EQ(
+      done({"attach-field", model, mesh, all, "--field", "heat", "--time", "0,1", "--at", "7,8"})
+          .at("fields")[2]
+          .at("time"),
+      8);
+  done({"verify", all, "--against", mesh, "--field", "heat", "--time", "0"});
+  refused({"attach-field", model, still, still, all, "--field", "noise"},
+          "--at: expected the times of 2 steps");
+  refused({"build", still, model, "--field", "noise", "--time", "1"},
+          "expected no options of reading");
+}
+
 TEST_F(cli_mesh_fields, of_medit_meshes_come_from_solutions) {
   const TetraMesh noise = oracles::noise_mesh(7, oracles::Cut::in_six, 5);
   std::string mesh = "MeshVersionFormatted 2\nDimension 3\nVertices\n";

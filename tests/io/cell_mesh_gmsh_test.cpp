@@ -315,6 +315,95 @@ TEST(msh_mesh, whose_numbers_of_regions_are_data_keeps_the_names_of_groups) {
             (std::vector<std::string>{"the name 'both' of several regions"}));
 }
 
+/// A section of values, of `tags` what follows.
+void add_section(const std::string& section, const std::string& name, double time, int step,
+                 const std::vector<std::int32_t>& tags, const std::vector<double>& values,
+                 MshWriter& file) {
+  file.text += fmt::format("\n${}\n1\n\"{}\"\n1\n{}\n3\n{}\n1\n{}\n", section, name, time, step,
+                           tags.size());
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    file.wholes({tags[i]});
+    file.reals({values[i]});
+  }
+  file.text += fmt::format("\n$End{}\n", section);
+}
+
+/// heat has three steps, not in order; load, of elements, the first two of these; still none.
+std::string series_of(const MshForm& form) {
+  MshWriter file(form);
+  if (form.has_blocks)
+    write_mesh_4(file);
+  else
+    write_mesh_2(file, form.is_binary);
+  add_section("NodeData", "still", 7, 3, {3}, {-5}, file);
+  add_section("NodeData", "heat", 0.25, 1, {3, 500}, {11, 12}, file);
+  add_section("NodeData", "heat", 1.5, 2, {3, 500}, {21, 22}, file);
+  add_section("ElementData", "load", 0, 0, {77}, {100}, file);
+  add_section("NodeData", "heat", 0, 0, {3, 500}, {1, 2}, file);
+  add_section("ElementData", "load", 0.25, 1, {77}, {101}, file);
+  return file.text;
+}
+
+TEST_P(msh_meshes, with_steps_are_read_one_at_a_time) {
+  const TempDir directory;
+  const std::string path = directory.write("x.msh", series_of(GetParam()));
+  const std::vector<double> times{0, 0.25, 1.5};
+  for (const std::size_t step : {0U, 1U, 2U}) {
+    const auto mesh = read_cell_mesh(path, {.step = step});
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_EQ(mesh->times, times);
+    EXPECT_EQ(mesh->step, step);
+    EXPECT_EQ(mesh->time, times[step]);
+    ASSERT_EQ(mesh->point_fields.size(), 2U);
+    EXPECT_EQ(mesh->point_fields[0].name, "still");
+    EXPECT_EQ(mesh->point_fields[0].at(0), -5);
+    EXPECT_EQ(mesh->point_fields[1].name, "heat");
+    EXPECT_EQ(mesh->point_fields[1].at(0), 10 * static_cast<double>(step) + 1);
+    EXPECT_EQ(mesh->point_fields[1].at(3), 10 * static_cast<double>(step) + 2);
+    ASSERT_EQ(mesh->cell_fields.size(), step < 2 ? 2U : 1U);  // RegionId, too
+    if (step < 2) {
+      EXPECT_EQ(mesh->cell_fields[1].at(2), 100 + static_cast<double>(step));
+      EXPECT_TRUE(mesh->skipped_arrays.empty());
+    } else {
+      EXPECT_EQ(mesh->skipped_arrays, (std::vector<std::string>{"load (at other times than 1.5)"}));
+    }
+  }
+  EXPECT_EQ(test::read_mesh(path).step, 2U);
+  const auto beyond = read_cell_mesh(path, {.step = 3});
+  ASSERT_FALSE(beyond);
+  EXPECT_NE(beyond.error().message.find("expected a step from 0 to 2, got 3"), std::string::npos);
+}
+
+TEST(msh_mesh, without_a_series_has_the_time_of_its_data) {
+  const auto data = [](const char* name, const char* time, int step, const char* value = "1 5") {
+    return fmt::format("$NodeData\n1\n\"{}\"\n1\n{}\n3\n{}\n1\n1\n{}\n$EndNodeData\n", name, time,
+                       step, value);
+  };
+  const TempDir directory;
+  const auto read = [&](const std::string& sections) {
+    return read_cell_mesh(directory.write("x.msh", two_groups("", 1, 1, sections)), {.step = 9});
+  };
+  const auto alone = read(data("a", "0.5", 3) + data("b", "0.5", 4));
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->time, 0.5);
+  EXPECT_TRUE(alone->times.empty());
+  // Of several times none; at one step twice there are two fields; and -1 comes before 0.
+  EXPECT_EQ(read(data("a", "0.5", 0) + data("b", "1.5", 0))->time, std::nullopt);
+  EXPECT_EQ(read("")->time, std::nullopt);
+  const auto twice = read(data("a", "0.5", 3) + data("a", "0.5", 3) + data("a", "0.5", 3));
+  ASSERT_EQ(twice->point_fields.size(), 3U);
+  EXPECT_EQ(twice->point_fields[1].name, "a@3");
+  EXPECT_EQ(twice->point_fields[2].name, "a@3@3");
+  const auto negative = read_cell_mesh(
+      directory.write("x.msh", two_groups("", 1, 1, data("a", "0", 1) + data("a", "-1", -7))), {});
+  EXPECT_EQ(negative->times, (std::vector<double>{-1, 0}));
+  for (const char* const time : {"nan", "inf", "x"}) {
+    const auto wrong = read(data("a", time, 0));
+    ASSERT_FALSE(wrong) << time;
+    EXPECT_NE(wrong.error().message.find("x.msh"), std::string::npos);
+  }
+}
+
 std::string medit_of(const std::string& rest) {
   return "MeshVersionFormatted 2 # a comment\nDimension\n3\nVertices\n5\n0 0 0 1\n1 0 0 1\n"
          "0 1 0 2 # Tetrahedra 5\n0 0 1 2\n0 0 -3 0\n" +

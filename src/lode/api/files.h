@@ -61,6 +61,7 @@ using io::is_point_path;
 using io::is_polygon_path;
 using io::is_volume_path;
 using io::Magnitude;
+using io::MeshReadOptions;
 using io::MeshWriteOptions;
 using io::Network;
 using io::open_volume;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,6 +57,9 @@ struct CellMesh {
   std::vector<MeshField> cell_fields;
   std::vector<BoundaryPatch> patch_names;   ///< Of cells with two dimensions, where a file has any.
   std::vector<MeshRegion> region_names;     ///< Likewise of those with three; of any bytes.
+  std::optional<double> time{};             ///< Of the values, where the file says it.
+  std::vector<double> times;                ///< Of the file's steps, ascending; empty: no series.
+  std::size_t step = 0;                     ///< Of these the one whose values are here.
   std::vector<std::string> skipped_arrays;  ///< Those of no use: texts, bits, by corner.
   std::uint64_t n_ghost_cells = 0;          ///< Left out: copies of another piece's cells.
   std::uint64_t n_hidden_cells = 0;  ///< Left out: blanked ones, and those of blanked points.

@@ -102,6 +102,7 @@ Result<CellMesh> read_gmsh_mesh(const std::string& path, const MeshReadOptions& 
       return fail("{}: expected {} behind byte {}, got none", path, end, input.text.position());
   }
   LODE_CHECK(check_field_sizes(input.mesh));
+  LODE_CHECK(choose_gmsh_step(options, input));
   finish_groups(input);
   return std::move(input.mesh);
 }

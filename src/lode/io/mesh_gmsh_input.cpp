@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "lode/io/mesh_checks.h"
@@ -87,7 +88,7 @@ Result<void> read_entity(std::int64_t dimension, GmshInput& input) {
 /// The name, time step and shape that a section of data begins with, as text in all files.
 struct GmshDataHead {
   std::string name;
-  std::int64_t step = 0;
+  GmshTime when;
   std::int64_t n_components = 1;
   std::int64_t n = 0;
 };
@@ -106,8 +107,12 @@ Result<GmshDataHead> read_data_head(MeshText& text) {
   }
   LODE_TRY(const std::int64_t n_reals, text.whole("a number of real tags"));
   for (std::int64_t i = 0; i < n_reals; ++i) {
-    LODE_TRY([[maybe_unused]] const double tag, text.real("a real tag"));
+    LODE_TRY(const double tag, text.real("a real tag"));
+    if (i == 0) head.when.time = tag;
   }
+  if (!std::isfinite(head.when.time))
+    return fail("{}: expected a finite time of {}, got {}", text.path(), in_quotes(head.name),
+                head.when.time);
   LODE_TRY(const std::int64_t n_wholes, text.whole("a number of integer tags"));
   std::array<std::int64_t, 3> tags{0, 1, 0};
   for (std::int64_t i = 0; i < n_wholes; ++i) {
@@ -118,17 +123,10 @@ Result<GmshDataHead> read_data_head(MeshText& text) {
   if (n_wholes < 3 || tags[1] < 1 || tags[1] > kMaxComponents || tags[2] < 0)
     return fail("{}: expected a time step, components and a count for {}, got {} and {}",
                 text.path(), in_quotes(head.name), tags[1], tags[2]);
-  head.step = tags[0];
+  head.when.step = tags[0];
   head.n_components = tags[1];
   head.n = tags[2];
   return head;
-}
-
-std::string free_name(const GmshDataHead& head, const std::vector<MeshField>& fields) {
-  const bool is_taken = std::any_of(fields.begin(), fields.end(), [&](const MeshField& field) {
-    return field.name == head.name;
-  });
-  return is_taken ? fmt::format("{}@{}", head.name, head.step) : head.name;
 }
 
 }  // namespace
@@ -219,7 +217,7 @@ Result<void> read_gmsh_data(GmshPlace place, GmshInput& input) {
     return fail("{}: expected {} values for {} within {} bytes, got fewer", input.text.path(),
                 head.n, in_quotes(head.name), input.text.n_left());
   LODE_CHECK(input.budget.spend(input.text.path(), n * n_components * sizeof(double)));
-  MeshField field{.name = free_name(head, fields),
+  MeshField field{.name = head.name,
                   .type = ScalarType::float64,
                   .n_components = static_cast<int>(head.n_components),
                   .values = {}};
@@ -236,6 +234,7 @@ Result<void> read_gmsh_data(GmshPlace place, GmshInput& input) {
     }
   }
   fields.push_back(std::move(field));
+  (is_at_nodes ? input.point_times : input.cell_times).push_back(head.when);
   return {};
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <compare>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,6 +15,14 @@
 
 namespace lode::io {
 
+/// When a field of a .msh file is: its time step's number, and the time that it says.
+struct GmshTime {
+  double time = 0;
+  std::int64_t step = 0;
+
+  friend auto operator<=>(const GmshTime&, const GmshTime&) = default;
+};
+
 /// A .msh file being read: its numbers, whose form its head says, and what came so far.
 struct GmshInput {
   MeshText text;
@@ -20,9 +30,11 @@ struct GmshInput {
   bool is_binary = false;
   ByteOrder order = ByteOrder::little;
   CellMesh mesh{};
-  FlatIndex nodes{};     ///< By tag.
-  FlatIndex elements{};  ///< By tag.
-  MeshBudget budget{};   ///< Of fields, whose data may be sparse.
+  std::vector<GmshTime> point_times{};  ///< By field of the points,
+  std::vector<GmshTime> cell_times{};   ///< and of the cells.
+  FlatIndex nodes{};                    ///< By tag.
+  FlatIndex elements{};                 ///< By tag.
+  MeshBudget budget{};                  ///< Of fields, whose data may be sparse.
   /// By dimension and tag of an entity: its first physical group.
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> groups{};
   std::vector<double> element_groups{};  ///< By element; 0: none.
@@ -52,6 +64,11 @@ struct GmshInput {
 /// $NodeData and $ElementData, behind all nodes and elements.
 enum class GmshPlace { nodes, elements };
 [[nodiscard]] Result<void> read_gmsh_data(GmshPlace place, GmshInput& input);
+
+/// Of fields of one name and shape at several times those of a step, by the options, in order of
+/// time; the others go. One that has other steps but not this is listed as left out. What is left
+/// of one name is called NAME@STEP but for the first. Fails where there are not so many steps.
+[[nodiscard]] Result<void> choose_gmsh_step(const MeshReadOptions& options, GmshInput& input);
 
 /// Of another section of values its name alone, which it lists as left out, once.
 [[nodiscard]] Result<void> skip_gmsh_data(const std::string& section, GmshInput& input);

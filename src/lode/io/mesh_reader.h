@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "lode/core/cell_mesh.h"
@@ -14,6 +15,9 @@ struct MeshReadOptions {
   std::size_t memory_limit = std::numeric_limits<std::size_t>::max();
   /// Of a MEDIT mesh: the file of values at its vertices; empty: that beside it, where one is.
   std::string solution{};
+  /// Of a file with a series (CellMesh::times): which step, from 0 in order of time; none: the
+  /// last. Others have but what they have.
+  std::optional<std::size_t> step{};
 };
 
 /// Reads an unstructured or curvilinear mesh with all numeric fields of its points and cells: VTK

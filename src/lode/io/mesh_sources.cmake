@@ -13,6 +13,7 @@ set(IO_MESH_SOURCES
   mesh_gmsh_elements.cpp
   mesh_gmsh_input.cpp
   mesh_gmsh_output.cpp
+  mesh_gmsh_steps.cpp
   mesh_medit.cpp
   mesh_medit_input.cpp
   mesh_medit_solution.cpp

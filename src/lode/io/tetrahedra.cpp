@@ -203,6 +203,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   report.n_ghost_cells = mesh.n_ghost_cells;
   report.n_hidden_cells = mesh.n_hidden_cells;
   report.skipped_arrays = mesh.skipped_arrays;
+  report.time = mesh.time;
   LODE_CHECK(check_types(mesh, options, report));
   LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
   LODE_TRY(const std::size_t regions, find_regions(mesh, options));

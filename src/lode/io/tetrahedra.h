@@ -63,6 +63,7 @@ struct TetraReport {
   std::uint64_t n_components = 0;     ///< Connected through faces.
   std::uint64_t n_boundary_faces = 0;
   std::uint64_t n_nonfinite_values = 0;        ///< Of fields, at vertices.
+  std::optional<double> time{};                ///< Of the values, where the file says it.
   std::vector<std::string> skipped_arrays;     ///< Left out: of points and cells, no numbers.
   std::vector<std::string> regions_not_taken;  ///< Fields named as such, and why they are none.
   std::vector<AveragedField> averaged;         ///< Fields of cells that became fields of points.
