@@ -257,7 +257,9 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   made.attributes = without_values(mesh.attributes);
   const Stopwatch watch;
   LODE_CHECK(write_mesh(job.output, mesh,
-                        {.comment = tetra_comment("mesh", input, made), .value_name = field.name},
+                        {.comment = tetra_comment("mesh", input, made),
+                         .value_name = field.name,
+                         .time = input.time()},
                         session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
@@ -336,9 +338,10 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
                            : !job.query.sections.empty() ? "section"
                                                          : "isosurface";
   const Stopwatch watch;
-  LODE_CHECK(write_surface(job.output, surface,
-                           {.comment = tetra_comment(kind, input, made), .value_name = field.name},
-                           session.progress()));
+  LODE_CHECK(write_surface(
+      job.output, surface,
+      {.comment = tetra_comment(kind, input, made), .value_name = field.name, .time = input.time()},
+      session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;

@@ -1,5 +1,7 @@
 // lode-vtk-import: reads what VTK can and Lode cannot, and writes what Lode reads: one grid, .vtu.
 // A program of its own, so that lode needs no VTK; lode runs it where it is there.
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkXMLUnstructuredGridWriter.h>
@@ -146,6 +148,14 @@ void write_names(const std::vector<NamedPatch>& patches, const std::string& path
   if (!file) throw std::runtime_error("cannot write " + path);
 }
 
+/// As VTK's own writers have it.
+void add_time(double time, vtkUnstructuredGrid& grid) {
+  const auto value = vtkSmartPointer<vtkDoubleArray>::New();
+  value->SetName("TimeValue");
+  value->InsertNextValue(time);
+  grid.GetFieldData()->AddArray(value);
+}
+
 int run(const Arguments& arguments) {
   const auto errors = vtkSmartPointer<ErrorCatcher>::New();
   vtkOutputWindow::SetInstance(errors);
@@ -154,6 +164,7 @@ int run(const Arguments& arguments) {
     if (!errors->first().empty()) throw std::runtime_error(errors->first());
     const Flattened made = flatten(*source.data, source.points);
     say_what_came(source, made);
+    if (source.has_time) add_time(source.time, *made.grid);
     if (!arguments.names.empty()) write_names(made.patches, arguments.names);
     write_grid(*made.grid, arguments.output);
     if (!errors->first().empty()) throw std::runtime_error(errors->first());

@@ -176,6 +176,7 @@ void choose_step(vtkAlgorithm& reader, std::optional<int> step, Source& source) 
     reader.Update();
     return;
   }
+  source.has_time = true;
   source.time = about->Get(key)[source.step];
   reader.UpdateTimeStep(source.time);
 }

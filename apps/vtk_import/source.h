@@ -17,6 +17,7 @@ struct Source {
   std::string format;  ///< "Exodus II"
   int step = 0;
   int n_steps = 1;
+  bool has_time = false;
   double time = 0;  ///< Of the step; 0 where the file has none.
 };
 

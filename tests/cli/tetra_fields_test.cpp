@@ -10,6 +10,7 @@
 
 #include "lode/api/files.h"
 #include "tests/cli/program.h"
+#include "tests/io/vtk_oracle.h"
 #include "tests/oracles/tetra_grids.h"
 
 namespace lode::test {
@@ -300,6 +301,41 @@ TEST_F(cli_tetra_fields, that_are_left_out_are_named_with_the_reason) {
     words.insert(words.end(), field.begin(), field.end());
     refused(words, "(RegionId)");
     refused(words, "no .sol or .solb of the same name lies beside it");
+  }
+}
+
+TEST_F(cli_tetra_fields, have_the_time_of_their_step_in_files_and_take_it_from_there) {
+  ASSERT_TRUE(has_vtk()) << kVtkMissing;
+  const std::string all = scratch_ / "all.lode";
+  done({"attach-field", model_, later_, latest_, all, "--field", "noise", "--at", "0.1,7"});
+  const auto seen = [&](const std::string& path) {
+    return nlohmann::json::parse(run_oracle(LODE_MESH_ORACLE, path), nullptr, false).at("time");
+  };
+  const std::string first = scratch_ / "first.vtu";
+  const std::string second = scratch_ / "second.vtu";
+  const std::string surface = scratch_ / "s.vtp";
+  done({"extract", all, first, "--mesh", "--max-error", "0", "--field", "noise", "--time", "1"});
+  done({"extract", all, second, "--mesh", "--max-error", "0", "--field", "noise", "--time", "2"});
+  done({"extract", all, surface, "--boundary", "--field", "noise", "--time", "2"});
+  done({"extract", all, out_, "--mesh", "--field", "noise"});
+  EXPECT_EQ(seen(first), 0.1);
+  EXPECT_EQ(seen(second), 7);
+  EXPECT_EQ(seen(surface), 7);
+  EXPECT_EQ(seen(out_), nullptr);
+  // Steps of a series in files of their own.
+  const std::string again = scratch_ / "again.lode";
+  const std::string series = scratch_ / "series.lode";
+  done({"build", first, again, "--field", "noise"});
+  const nlohmann::json attached =
+      done({"attach-field", again, second, first, series, "--field", "noise"});
+  ASSERT_EQ(attached.at("fields").size(), 3U);
+  EXPECT_EQ(attached.at("fields")[1].at("time"), 7);
+  EXPECT_EQ(attached.at("fields")[2].at("time"), 0.1);
+  for (const char* const name : {"step.vtk", "step.msh"}) {
+    const std::string file = scratch_ / name;
+    done(
+        {"extract", series, file, "--mesh", "--max-error", "0", "--field", "noise", "--time", "2"});
+    EXPECT_EQ(read_cell_mesh(file, {})->time, 7);
   }
 }
 

@@ -178,6 +178,19 @@ TEST_F(vtk_import_of, what_lode_wrote_has_its_regions_and_values) {
               volumes_of(mesh).at(10) + 8, 1e-9);
 }
 
+TEST_F(vtk_import_of, steps_gives_their_times) {
+  for (const char* const file : {"blocks.e", "ensight.case"}) {
+    const std::string input = scratch_ / file;
+    const std::string model = scratch_ / "first.lode";
+    report({"build", input, model, "--field", "f", "--time", "0", "--weld", "0"});
+    const nlohmann::json attached = report({"attach-field", model, input, scratch_ / "all.lode",
+                                            "--field", "f", "--time", "0,1", "--weld", "0"});
+    ASSERT_EQ(attached.at("fields").size(), 3U);
+    EXPECT_EQ(attached.at("fields")[1].at("time"), 0);
+    EXPECT_EQ(attached.at("fields")[2].at("time"), 0.5);
+  }
+}
+
 TEST_F(vtk_import_of, blocks_gives_regions_their_names) {
   const auto names_of = [&](const std::string& file) {
     return report({"info", scratch_ / file}).at("region_names");

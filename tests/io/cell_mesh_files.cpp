@@ -259,6 +259,7 @@ std::string vtu_of(const std::vector<CellMesh>& pieces, const XmlForm& form) {
   std::string names;
   if (!pieces[0].patch_names.empty()) names += xml_names("Patch", pieces[0].patch_names, arrays);
   if (!pieces[0].region_names.empty()) names += xml_names("Region", pieces[0].region_names, arrays);
+  if (pieces[0].time) names += arrays.array("TimeValue", ScalarType::float64, {*pieces[0].time});
   if (!names.empty()) content = "<FieldData>\n" + names + "</FieldData>\n" + content;
   return arrays.file("UnstructuredGrid", "", content);
 }
@@ -280,7 +281,11 @@ std::string legacy_of(const CellMesh& mesh, LegacyForm form) {
   const ScalarType type = mesh.has_narrow_points ? ScalarType::float32 : ScalarType::float64;
   return fmt::format("# vtk DataFile Version {}\na test\n{}\nDATASET UNSTRUCTURED_GRID\n",
                      has_offsets ? "5.1" : "3.0", is_binary(form) ? "BINARY" : "ASCII") +
-         "FIELD FieldData 1\nCYCLE 1 1 int\n" + legacy_numbers(ScalarType::int32, {7}, form) +
+         fmt::format("FIELD FieldData {}\nCYCLE 1 1 int\n", mesh.time ? 2 : 1) +
+         legacy_numbers(ScalarType::int32, {7}, form) +
+         (mesh.time
+              ? "TimeValue 1 1 double\n" + legacy_numbers(ScalarType::float64, {*mesh.time}, form)
+              : std::string()) +
          fmt::format("POINTS {} {}\n", mesh.points.size(), legacy_type_name(type)) +
          legacy_numbers(type, flat(mesh.points), form) + legacy_cells(mesh, form) +
          fmt::format("CELL_TYPES {}\n", mesh.n_cells()) +

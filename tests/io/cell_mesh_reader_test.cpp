@@ -41,6 +41,18 @@ TEST_P(xml_meshes, of_several_pieces_are_joined) {
   EXPECT_EQ(joined.point_fields[4].at(24 + 5, 1), mesh.point_fields[4].at(5, 1));
 }
 
+TEST_P(xml_meshes, have_a_time) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  const std::string path = directory.write("mesh.vtu", test::vtu_of({mesh}, GetParam()));
+  EXPECT_EQ(test::read_mesh(path).time, std::nullopt);
+  mesh.time = -0.1;
+  mesh.region_names = {{3, "steel"}};
+  directory.write("mesh.vtu", test::vtu_of({mesh}, GetParam()));
+  EXPECT_EQ(test::read_mesh(path).time, mesh.time);
+  EXPECT_TRUE(test::read_mesh(path).times.empty());
+}
+
 TEST_P(xml_meshes, have_names_of_patches_and_regions) {
   const TempDir directory;
   CellMesh mesh = test::varied_mesh();
@@ -55,6 +67,16 @@ TEST_P(xml_meshes, have_names_of_patches_and_regions) {
 INSTANTIATE_TEST_SUITE_P(forms, xml_meshes, testing::ValuesIn(test::xml_forms()), name_of_form);
 
 class legacy_meshes : public testing::TestWithParam<test::LegacyForm> {};
+
+TEST_P(legacy_meshes, have_a_time) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  for (const std::optional<double> time : {std::optional<double>(), std::optional(2.75)}) {
+    mesh.time = time;
+    EXPECT_EQ(test::read_mesh(directory.write("mesh.vtk", test::legacy_of(mesh, GetParam()))).time,
+              time);
+  }
+}
 
 TEST_P(legacy_meshes, come_back_as_written) {
   const TempDir directory;
@@ -181,6 +203,28 @@ TEST(xml_mesh, with_broken_names_of_patches_is_refused) {
     text.replace(offset, text.find('"', offset) - offset, "7");
     test::expect_mesh_failure(directory.write("mesh.vtu", text), {});
   }
+}
+
+TEST(xml_mesh, has_a_time_of_one_finite_number) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  mesh.time = 0.5;
+  const std::string text = test::vtu_of({mesh});
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from, changed.find("<FieldData>"));
+    EXPECT_NE(at, std::string::npos);
+    return directory.write("mesh.vtu", changed.replace(at, from.size(), to));
+  };
+  const std::string name = "Name=\"TimeValue\"";
+  // Of several, and of vectors, none is the time.
+  EXPECT_EQ(test::read_mesh(with(name, name + " NumberOfTuples=\"2\"")).time, std::nullopt);
+  EXPECT_EQ(test::read_mesh(with(name, name + " NumberOfTuples=\"4294967297\"")).time,
+            std::nullopt);
+  EXPECT_EQ(test::read_mesh(with("NumberOfComponents=\"1\"", "NumberOfComponents=\"3\"")).time,
+            std::nullopt);
+  test::expect_mesh_failure(with("0.5", "nan"), {"a finite TimeValue"});
+  test::expect_mesh_failure(with("0.5", "soon"), {});
 }
 
 TEST(xml_mesh, says_where_names_are_not_as_many_as_numbers) {

@@ -4,7 +4,8 @@ VTK, .msh by the few lines below, after Gmsh's own description of the format.
 mesh_content.py FILE  prints a JSON object: points, values by name, and cells as [corners, error,
                       RegionId or null, name of the block or group or null]; errors of further
                       fields, by name and cell; faces of patches as corners by name, or by number
-                      where a format has no names; and how the file is titled
+                      where a format has no names; how the file is titled, and the time that it
+                      says
 """
 import json
 import os
@@ -40,8 +41,9 @@ def content_of_grid(grid, name):
                                                column(grid.GetCellData(), "RegionId", n))]
     names = [grid.GetCellData().GetArrayName(i) for i in range(grid.GetCellData().GetNumberOfArrays())]
     errors = {name: column(grid.GetCellData(), name, n) for name in names if name.startswith("error_")}
+    time = grid.GetFieldData().GetArray("TimeValue")
     return {"points": points, "values": values, "cells": cells, "errors": errors,
-            "patches": patches}
+            "patches": patches, "time": None if time is None else time.GetTuple1(0)}
 
 
 def take_patches(grid):
@@ -81,6 +83,7 @@ def read_exodus(path):
     reader = vtk.vtkExodusIIReader()
     reader.SetFileName(path)
     reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
     reader.SetSqueezePoints(False)
     reader.SetAllArrayStatus(reader.NODAL, 1)
     reader.SetAllArrayStatus(reader.ELEM_BLOCK, 1)
@@ -100,6 +103,7 @@ def read_exodus(path):
             content["errors"].setdefault(key, []).extend(errors)
         content["ids"].append(int(blocks.GetBlock(i).GetCellData().GetArray("ObjectId").GetTuple1(0)))
     content["patches"] = {}
+    content["time"] = times[0]
     sets = reader.GetOutput().GetBlock(4)
     for i in range(sets.GetNumberOfBlocks()):
         name = sets.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
@@ -114,6 +118,7 @@ class GmshFile:
         with open(path, "rb") as file:
             self.bytes = file.read()
         self.at = 0
+        self.times = set()
 
     def numbers(self, form):
         made = struct.unpack_from("<" + form, self.bytes, self.at)
@@ -155,8 +160,9 @@ def read_gmsh_data(file):
     names = [file.line() for _ in range(int(file.line()))]
     reals = [float(file.line()) for _ in range(int(file.line()))]
     step, n_components, n = [int(file.line()) for _ in range(int(file.line()))]
-    if reals != [0.0] or step != 0 or n_components != 1:
+    if len(reals) != 1 or step != 0 or n_components != 1:
         raise ValueError("expected one step of one component")
+    file.times.add(reals[0])
     return names[0].strip('"'), dict(file.numbers("id") for _ in range(n))
 
 
@@ -232,7 +238,8 @@ def read_gmsh(path):
     errors = {name: [found[tag] for tag in elements if tag in found]
               for (_, name), found in data.items() if name.startswith("error_")}
     return {"points": [nodes[tag] for tag in sorted(nodes)], "values": values, "cells": cells,
-            "errors": errors, "patches": patches, "title": title}
+            "errors": errors, "patches": patches, "title": title,
+            "time": file.times.pop() if len(file.times) == 1 else None}
 
 
 def read_vtu(path):

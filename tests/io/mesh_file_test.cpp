@@ -257,6 +257,19 @@ TEST_P(mesh_formats, have_patches_that_lode_reads_but_for_exodus) {
                 (face.patch == 0 ? mesh.positions.front() : mesh.positions.back())[0]);
 }
 
+TEST_P(mesh_formats, hold_the_time_of_a_step) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  const SimplexMesh mesh = strip({3, 5});
+  write(mesh, {.value_name = "wave", .time = 0.1});
+  const json read = seen();
+  expect_same(read, mesh, "wave");
+  EXPECT_EQ(read.at("time"), 0.1);
+  if (!is_exodus()) EXPECT_EQ(read_cell_mesh(path_, {})->time, 0.1);
+  // Exodus and Gmsh have one always.
+  write(mesh, {.value_name = "wave"});
+  EXPECT_EQ(seen().at("time"), std::string(GetParam()) == ".vtk" ? json(nullptr) : json(0.0));
+}
+
 TEST_P(mesh_formats, hold_names_of_regions) {
   ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
   SimplexMesh mesh = strip({3, 5, 8, 9});

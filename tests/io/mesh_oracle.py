@@ -46,6 +46,11 @@ def measure(mesh):
     return sizes
 
 
+def time_of(mesh):
+    time = mesh.GetFieldData().GetArray("TimeValue")
+    return None if time is None else time.GetTuple1(0)
+
+
 def describe(path):
     mesh = read(path)
     sizes = measure(mesh)
@@ -56,6 +61,7 @@ def describe(path):
         "bounds": mesh.GetBounds() if mesh.GetNumberOfPoints() else [0] * 6,
         "size": sum(sizes),
         "smallest": min(sizes, default=0),
+        "time": time_of(mesh),
         "point_data": describe_arrays(mesh.GetPointData()),
         "cell_data": describe_arrays(mesh.GetCellData()),
         "scalars": mesh.GetPointData().GetScalars().GetName()

@@ -103,7 +103,9 @@ void ExodusContent::add_head(const MeshWriteOptions& options) {
   variable({.name = "time_whole",
             .dimensions = {step_},
             .n_rows = 1,
-            .fill = [](std::size_t, std::byte* out) { put_big(out, 0.0); }});
+            .fill = [time = options.time.value_or(0)](std::size_t, std::byte* out) {
+              put_big(out, time);
+            }});
 }
 
 void ExodusContent::add_points() {

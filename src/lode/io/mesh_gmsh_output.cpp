@@ -19,6 +19,7 @@ struct GmshOutput {
   const SimplexMesh& mesh;
   const MeshBlocks& blocks;
   const PatchBlocks& patches;
+  double time = 0;
 
   [[nodiscard]] bool is_solid() const { return n_simplex_corners(mesh) == 4; }
   [[nodiscard]] std::int32_t dimension() const { return is_solid() ? 3 : 2; }
@@ -179,7 +180,8 @@ Result<void> write_gmsh_elements(GmshOutput& out) {
 template <typename ValueOf>
 Result<void> write_gmsh_data(std::string_view section, std::string_view name, std::size_t n,
                              const ValueOf& value_of, GmshOutput& out) {
-  LODE_CHECK(out.text(fmt::format("${}\n1\n\"{}\"\n1\n0\n3\n0\n1\n{}\n", section, name, n)));
+  LODE_CHECK(
+      out.text(fmt::format("${}\n1\n\"{}\"\n1\n{}\n3\n0\n1\n{}\n", section, name, out.time, n)));
   LODE_CHECK(write_records(out.file, n, sizeof(std::int32_t) + sizeof(double),
                            [&](std::size_t i, std::byte* to) {
                              put(to, static_cast<std::int32_t>(i + 1));
@@ -228,7 +230,7 @@ Result<void> write_gmsh_mesh(const std::string& path, const SimplexMesh& mesh,
       mesh.n_cells() * (n_simplex_corners(mesh) + 2 + mesh.attributes.size()) *
           sizeof(std::uint64_t);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
-  GmshOutput out{std::move(file), mesh, blocks, patches};
+  GmshOutput out{std::move(file), mesh, blocks, patches, options.time.value_or(0)};
   LODE_CHECK(write_gmsh_head(options, out));
   LODE_CHECK(write_gmsh_entities(out));
   LODE_CHECK(write_gmsh_nodes(out));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -27,6 +28,7 @@ struct LegacyMeshArrays {
   std::optional<LegacyArray> offsets;  ///< From version 5 on, with connectivity.
   std::optional<LegacyArray> connectivity;
   std::optional<LegacyArray> types;
+  std::optional<LegacyArray> time;  ///< TimeValue of the data set, where it is one number.
   std::vector<LegacyArray> point_arrays;
   std::vector<LegacyArray> cell_arrays;
   std::vector<std::string> skipped_arrays;  ///< Of points and cells, no numbers.
@@ -118,7 +120,7 @@ Result<bool> parse_mesh_part(LegacyFile& file, const std::vector<std::string>& w
 }
 
 Result<void> parse_arrays(LegacyFile& file, std::int64_t version, LegacyMeshArrays& arrays) {
-  // The dataset's own arrays, which come first, are passed over.
+  // The dataset's own arrays, which come first, are passed over but for its time.
   std::vector<LegacyArray> others;
   std::vector<LegacyArray>* section = &others;
   std::int64_t n_tuples = 0;
@@ -141,7 +143,13 @@ Result<void> parse_arrays(LegacyFile& file, std::int64_t version, LegacyMeshArra
       return fail("{}: expected a legacy VTK keyword before byte {}, got {}", file.cursor.path(),
                   file.cursor.position(), in_quotes(words[0]));
     for (LegacyArray& array : attribute.arrays) section->push_back(std::move(array));
-    if (section == &others) continue;
+    if (section == &others) {
+      for (const LegacyArray& array : others)
+        if (array.name == "TimeValue" && array.n_tuples == 1 && array.n_components == 1)
+          arrays.time = array;
+      others.clear();
+      continue;
+    }
     for (std::string& name : attribute.skipped) arrays.skipped_arrays.push_back(std::move(name));
   }
 }
@@ -158,6 +166,14 @@ Result<std::vector<std::uint64_t>> load_whole(LegacyMeshFile& file, const Legacy
   LODE_TRY(const MeshNumbers numbers, load_numbers(file, array));
   return as_whole<std::uint64_t>(numbers,
                                  {.path = file.path(), .name = array.name, .high = kMaxWhole});
+}
+
+Result<std::optional<double>> load_time(LegacyMeshFile& file, const LegacyMeshArrays& arrays) {
+  if (!arrays.time) return std::optional<double>();
+  LODE_TRY(const MeshNumbers numbers, load_numbers(file, *arrays.time));
+  const double time = as_doubles(numbers)[0];
+  if (std::isfinite(time)) return std::optional(time);
+  return fail("{}: expected a finite TimeValue, got {}", file.path(), time);
 }
 
 Result<std::vector<Vec3d>> load_points(LegacyMeshFile& file, const LegacyMeshArrays& arrays) {
@@ -289,6 +305,7 @@ Result<CellMesh> load_mesh(LegacyMeshFile& file, const LegacyMeshArrays& arrays)
   LODE_CHECK(arrays.is_grid ? load_grid(arrays, mesh) : load_cells(file, arrays, mesh));
   LODE_TRY(mesh.point_fields, load_fields(file, mesh.points.size(), arrays.point_arrays));
   LODE_TRY(mesh.cell_fields, load_fields(file, mesh.n_cells(), arrays.cell_arrays));
+  LODE_TRY(mesh.time, load_time(file, arrays));
   LODE_CHECK(leave_out_ghosts(mesh));
   return mesh;
 }

@@ -1,6 +1,9 @@
 #include "lode/io/mesh_vtk_legacy_output.h"
 
 #include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "lode/io/mesh_blocks.h"
 #include "lode/io/surface_output.h"
@@ -25,14 +28,22 @@ std::string legacy_name(std::string_view name) {
   return word;
 }
 
-std::string legacy_head(const MeshWriteOptions& options, std::size_t n_points) {
+std::string legacy_head(const MeshWriteOptions& options) {
   constexpr std::size_t kMaxTitle = 255;  // with the end of its line 256
   std::string title = to_one_line(options.comment);
   const std::string frame = fmt::format("; frame {}", name_of(options.frame));
   if (title.size() + frame.size() > kMaxTitle) title.resize(kMaxTitle - frame.size());
-  return fmt::format(
-      "# vtk DataFile Version 3.0\n{}{}\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n",
-      title, frame, n_points);
+  return fmt::format("# vtk DataFile Version 3.0\n{}{}\nBINARY\nDATASET UNSTRUCTURED_GRID\n", title,
+                     frame);
+}
+
+/// The data set's field data, where there is a time.
+Result<void> write_legacy_time(SurfaceOutput& file, const std::optional<double>& time) {
+  if (!time) return {};
+  LODE_CHECK(file.write(std::string_view("FIELD FieldData 1\nTimeValue 1 1 double\n")));
+  LODE_CHECK(write_records(file, 1, sizeof(double),
+                           [&](std::size_t, std::byte* out) { put_big(out, *time); }));
+  return file.write(std::string_view("\n"));
 }
 
 Result<void> write_legacy_cells(SurfaceOutput& file, const SimplexMesh& mesh) {
@@ -136,7 +147,9 @@ Result<void> write_vtk_legacy_mesh(const std::string& path, const SimplexMesh& m
       mesh.n_cells() * (n_simplex_corners(mesh) + 3 + mesh.attributes.size()) *
           sizeof(std::int32_t);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
-  LODE_CHECK(file.write(legacy_head(options, mesh.positions.size())));
+  LODE_CHECK(file.write(legacy_head(options)));
+  LODE_CHECK(write_legacy_time(file, options.time));
+  LODE_CHECK(file.write(fmt::format("POINTS {} double\n", mesh.positions.size())));
   LODE_CHECK(
       write_records(file, mesh.positions.size(), sizeof(Vec3d), [&](std::size_t i, std::byte* out) {
         for (const double x : mesh.positions[i].v) put_big(out, x);

@@ -121,6 +121,7 @@ Result<CellMesh> read_unstructured(VtkXmlMeshFile& file, const pugi::xml_node& d
   LODE_CHECK(leave_out_ghosts(mesh));
   LODE_TRY(mesh.patch_names, load_xml_patch_names(file, data));
   LODE_TRY(mesh.region_names, load_xml_region_names(file, data));
+  LODE_TRY(mesh.time, load_xml_time(file, data));
   return mesh;
 }
 
@@ -147,6 +148,7 @@ Result<CellMesh> read_curvilinear(VtkXmlMeshFile& file, const pugi::xml_node& da
   LODE_TRY(CellMesh mesh, join_grid(file.path(), extent, std::move(pieces)));
   LODE_CHECK(leave_out_ghosts(mesh));
   LODE_TRY(mesh.region_names, load_xml_region_names(file, data));
+  LODE_TRY(mesh.time, load_xml_time(file, data));
   return mesh;
 }
 

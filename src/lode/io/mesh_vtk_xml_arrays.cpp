@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -161,6 +162,17 @@ Result<std::vector<BoundaryPatch>> load_xml_patch_names(VtkXmlMeshFile& file,
 Result<std::vector<MeshRegion>> load_xml_region_names(VtkXmlMeshFile& file,
                                                       const pugi::xml_node& data) {
   return load_xml_names<MeshRegion>(file, data, "Region");
+}
+
+Result<std::optional<double>> load_xml_time(VtkXmlMeshFile& file, const pugi::xml_node& data) {
+  const pugi::xml_node array = find_array(data.child("FieldData"), "TimeValue");
+  const auto n_tuples = to_uint64(array.attribute("NumberOfTuples").as_string("1"));
+  LODE_TRY(const int n_components, n_components_of(file.path(), array));
+  if (!array || n_tuples != 1 || n_components != 1) return std::optional<double>();
+  LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, array, 1));
+  const double time = as_doubles(numbers)[0];
+  if (std::isfinite(time)) return std::optional(time);
+  return fail("{}: expected a finite TimeValue, got {}", file.path(), time);
 }
 
 }  // namespace lode::io

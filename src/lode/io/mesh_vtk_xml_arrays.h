@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <pugixml.hpp>
+#include <string>
+#include <vector>
 
 #include "lode/core/cell_mesh.h"
 #include "lode/core/result.h"
@@ -41,5 +44,9 @@ struct VtkXmlMeshFile {
 /// Likewise of RegionIds and RegionNames.
 [[nodiscard]] Result<std::vector<MeshRegion>> load_xml_region_names(VtkXmlMeshFile& file,
                                                                     const pugi::xml_node& data);
+
+/// The number TimeValue of a data set's field data; none where there is no such, of one number.
+[[nodiscard]] Result<std::optional<double>> load_xml_time(VtkXmlMeshFile& file,
+                                                          const pugi::xml_node& data);
 
 }  // namespace lode::io

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 #include <new>
+#include <optional>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/mesh_blocks.h"
@@ -87,11 +88,13 @@ std::uint64_t vtu_bytes(const VtuLayout& layout) {
          layout.offsets.n_bytes + layout.types.n_bytes;
 }
 
-std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
+std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout,
+                      const std::optional<double>& time) {
   std::uint64_t offset = 0;
   std::string xml;
-  const std::string names = vtk_region_names(mesh.region_names) + vtk_patch_names(mesh.patches);
-  if (!names.empty()) xml += "<FieldData>\n" + names + "</FieldData>\n";
+  const std::string notes =
+      vtk_time(time) + vtk_region_names(mesh.region_names) + vtk_patch_names(mesh.patches);
+  if (!notes.empty()) xml += "<FieldData>\n" + notes + "</FieldData>\n";
   xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.positions.size(),
                      n_all_cells(mesh));
   xml += fmt::format("<PointData Scalars=\"{}\">\n", layout.value_name);
@@ -188,7 +191,7 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   const VtuLayout layout = make_vtu_layout(mesh, options);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtu_bytes(layout), progress));
   LODE_CHECK(file.write(vtk_xml_head("UnstructuredGrid", options.comment, options.frame)));
-  LODE_CHECK(file.write(vtu_piece(mesh, layout)));
+  LODE_CHECK(file.write(vtu_piece(mesh, layout, options.time)));
   LODE_CHECK(write_array_size(file, layout.values));
   LODE_CHECK(write_values(file, mesh.values, mesh.has_narrow_values));
   for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {

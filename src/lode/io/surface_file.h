@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "lode/core/progress.h"
@@ -14,6 +15,7 @@ struct SurfaceWriteOptions {
   std::string comment;           ///< One line for the file's header; what made it, and how.
   Frame frame = Frame::unknown;  ///< Named in the header where the format has comments.
   std::string value_name{};      ///< What VTP calls the values; empty: "value", as PLY does.
+  std::optional<double> time{};  ///< Of all values, of a series; TimeValue in VTP.
   std::string node_name{};       ///< What GLB calls its node; empty: "isosurface".
   /// Metres of a unit of x, y and z, > 0: by how much GLB's node, whose unit is the metre, is
   /// larger than the positions in it. Other formats have no unit.

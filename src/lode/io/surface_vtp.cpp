@@ -84,8 +84,8 @@ std::uint64_t vtp_bytes(const VtpLayout& layout) {
 
 std::string vtp_head(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
   std::string xml = vtk_xml_head("PolyData", options.comment, options.frame);
-  const std::string names =
-      vtk_region_names(surface.region_names) + vtk_patch_names(surface.patches);
+  const std::string names = vtk_time(options.time) + vtk_region_names(surface.region_names) +
+                            vtk_patch_names(surface.patches);
   const bool has_notes = surface.has_origin() || !names.empty();
   if (has_notes) xml += "<FieldData>\n";
   if (surface.has_origin())

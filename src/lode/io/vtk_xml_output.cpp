@@ -46,4 +46,12 @@ Result<void> write_array_size(SurfaceOutput& file, const VtkXmlArray& array) {
   return file.write(std::as_bytes(std::span(&array.n_bytes, 1)));
 }
 
+std::string vtk_time(const std::optional<double>& time) {
+  if (!time) return {};
+  return fmt::format(
+      "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+      "format=\"ascii\">{}</DataArray>\n",
+      *time);
+}
+
 }  // namespace lode::io

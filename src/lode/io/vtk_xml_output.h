@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,5 +29,8 @@ struct VtkXmlArray {
 
 /// Appends the size that comes before an array's data.
 [[nodiscard]] Result<void> write_array_size(SurfaceOutput& file, const VtkXmlArray& array);
+
+/// TimeValue of a data set's field data, as VTK's readers and ParaView know it; empty without one.
+[[nodiscard]] std::string vtk_time(const std::optional<double>& time);
 
 }  // namespace lode::io
