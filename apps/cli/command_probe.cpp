@@ -25,9 +25,6 @@ Result<void> check_probe_arguments(const ProbeArguments& arguments) {
         "probed yet",
         arguments.input);
   LODE_CHECK(check_tetra_reading(arguments.reading, arguments.input));
-  if (!arguments.reading.with.empty())
-    return fail("--with: expected none, as values of one field are shown at a time, got {}",
-                arguments.reading.with.front());
   std::vector<std::string> inputs{arguments.input};
   if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
   return check_paths_differ(inputs, arguments.output.empty()
@@ -101,6 +98,14 @@ Table head_table(const ProbeArguments& arguments, const TetraInput& input,
                                                        : format_number(answer.report.max_error)});
   if (answer.report.max_error > 0)
     table.add({"achieved error", format_number(answer.report.achieved_error) + suffix});
+  for (std::size_t f = 0; f < answer.with.size(); ++f) {
+    const ProbedField& more = answer.report.along[f];
+    table.add(
+        {"with", answer.report.max_error == 0
+                     ? answer.with[f]
+                     : fmt::format("{}, error {} {}", answer.with[f],
+                                   format_number(more.achieved_error), name_of(more.error_place))});
+  }
   if (answer.integral && !answer.integral->is_empty) {
     const IntegralReport& report = *answer.integral;
     table.add({"cells", fmt::format("{}, {} of them whole", format_count(report.n_cells),
@@ -134,10 +139,13 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
   if (!regions) return fail("{}: {}", arguments.input, regions.error().message);
   job.integral.regions = std::move(*regions);
   job.options.field = job.integral.field = input.fields.measured;
+  job.options.along = job.integral.along = input.fields.along;
   const TetraFieldInfo& field = input.field();
   set_share(arguments.max_error, field.range_min, field.range_max, job.options.max_error);
   job.integral.max_error = job.options.max_error;
-  LODE_TRY(const ProbeAnswer answer, answer_of(input.dataset, job, session.progress()));
+  LODE_TRY(ProbeAnswer answer, answer_of(input.dataset, job, session.progress()));
+  for (const std::size_t place : input.fields.along)
+    answer.with.push_back(input.dataset.describe().fields[place].name);
   warn_of_answer(session, answer);
   if (!arguments.output.empty())
     LODE_CHECK(write_text(arguments.output, probe_csv(answer), session.progress()));
@@ -171,18 +179,20 @@ Command add_probe_command(CLI::App& program) {
       "the\n"
       "coarser mesh, but no farther than its boundary may be off (info says how far), so the field "
       "may\n"
-      "be there, and then between the bounds.\n\n"
+      "be there, and then between the bounds. Fields of --with are of the same cells, whose "
+      "tolerance\n"
+      "is that of --field.\n\n"
       "Examples:\n  lode probe wing.lode --point 1,0.5,2 --point 3,0,0\n"
       "  lode probe wing.lode --points sensors.csv -o values.csv\n"
       "  lode probe wing.lode --line 0,0,0:10,0,0 --max-error 0.01\n"
       "  lode probe wing.lode --integral --box 0,1,0,1,0,2\n"
+      "  lode probe wing.lode --integral --field Pressure --with Temp --with Velocity:xyz\n"
       "  lode probe wing.vtu --integral --region rotor --json");
   app->add_option("file", arguments->input, ".lode file, or a mesh to build in memory")
       ->type_name("FILE")
       ->required();
   add_probe_options(*app, *arguments);
   add_reading_options(*app, arguments->reading);
-  app->get_option("--with")->group("");  // Refused.
   return {app, [arguments] { return check_probe_arguments(*arguments); },
           [arguments](Session& session) { return run_probe(*arguments, session); }};
 }

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <utility>
+
+#include "tetra_input.h"
 
 namespace lode::cli {
 namespace {
@@ -14,13 +15,26 @@ const char* status_of(const ProbedPoint& point) {
   return point.is_exact ? "exact" : "bounded";
 }
 
-/// The five numbers of an integral, by their names.
-std::array<std::pair<const char*, BoundedNumber>, 5> numbers_of(const IntegralReport& report) {
-  return {{{"volume", report.volume},
-           {"integral", report.integral},
-           {"mean", report.mean},
-           {"minimum", report.minimum},
-           {"maximum", report.maximum}}};
+using NamedNumber = std::pair<std::string, BoundedNumber>;
+
+/// What an integral says of a field.
+template <typename Integral>
+std::vector<NamedNumber> numbers_of_field(const Integral& of) {
+  return {{"integral", of.integral},
+          {"mean", of.mean},
+          {"minimum", of.minimum},
+          {"maximum", of.maximum}};
+}
+
+/// The five numbers of an integral by their names, and four of each further field, "mean of p".
+std::vector<NamedNumber> numbers_of(const ProbeAnswer& answer) {
+  const IntegralReport& report = *answer.integral;
+  std::vector<NamedNumber> numbers{{"volume", report.volume}};
+  for (NamedNumber& number : numbers_of_field(report)) numbers.push_back(std::move(number));
+  for (std::size_t f = 0; f < report.along.size(); ++f)
+    for (const auto& [name, number] : numbers_of_field(report.along[f]))
+      numbers.emplace_back(name + " of " + answer.with[f], number);
+  return numbers;
 }
 
 std::vector<std::string> headings_of(const ProbeAnswer& answer) {
@@ -28,33 +42,38 @@ std::vector<std::string> headings_of(const ProbeAnswer& answer) {
   if (!answer.line.empty()) headings = {"part", "distance"};
   headings.insert(headings.end(), {"x", "y", "z", "status", "value", "low", "high", "error"});
   if (answer.has_regions) headings.emplace_back("region");
+  for (const std::string& name : answer.with)
+    for (const char* const what : {"", " low", " high", " error"}) headings.push_back(name + what);
   return headings;
 }
 
 /// `format(number)`: as text.
 template <typename Format>
-std::vector<std::string> row_of(const ProbedPoint& point, bool has_region, const Format& format) {
+std::vector<std::string> row_of(const ProbedPoint& point, const ProbeAnswer& answer,
+                                const Format& format) {
   std::vector<std::string> row;
   for (const double x : point.point.v) row.push_back(format(x));
   row.emplace_back(status_of(point));
   const bool has_bounds = point.is_inside || point.is_near_boundary;
-  row.push_back(point.is_inside ? format(point.value.value) : "");
-  for (const double x : {point.value.low, point.value.high})
-    row.push_back(has_bounds ? format(x) : "");
-  row.push_back(point.is_inside ? format(point.error) : "");
-  if (has_region) row.push_back(point.is_inside ? fmt::format("{}", point.region) : "");
+  const auto add = [&](const BoundedNumber& number, double error) {
+    row.push_back(point.is_inside ? format(number.value) : "");
+    for (const double x : {number.low, number.high}) row.push_back(has_bounds ? format(x) : "");
+    row.push_back(point.is_inside ? format(error) : "");
+  };
+  add(point.value, point.error);
+  if (answer.has_regions) row.push_back(point.is_inside ? fmt::format("{}", point.region) : "");
+  for (const ProbedValue& more : point.along) add(more.value, more.error);
   return row;
 }
 
 /// Calls add(row) for each.
 template <typename Format, typename Add>
 void visit_rows(const ProbeAnswer& answer, const Format& format, const Add& add) {
-  for (const ProbedPoint& point : answer.points) add(row_of(point, answer.has_regions, format));
+  for (const ProbedPoint& point : answer.points) add(row_of(point, answer, format));
   for (const ProbedLinePoint& point : answer.line) {
     std::vector<std::string> row{point.at.is_inside ? fmt::format("{}", point.part) : "",
                                  format(point.distance)};
-    for (std::string& text : row_of(point.at, answer.has_regions, format))
-      row.push_back(std::move(text));
+    for (std::string& text : row_of(point.at, answer, format)) row.push_back(std::move(text));
     add(std::move(row));
   }
 }
@@ -63,23 +82,70 @@ Json bounded_json(const BoundedNumber& number) {
   return {{"value", number.value}, {"low", number.low}, {"high", number.high}};
 }
 
-Json point_json(const ProbedPoint& point, bool has_region) {
+template <typename Integral>
+Json integral_json(const Integral& of, bool is_empty, ErrorPlace place) {
   Json json;
-  json["point"] = point.point.v;
-  json["status"] = status_of(point);
-  if (point.is_near_boundary) {
-    json["low"] = point.value.low;
-    json["high"] = point.value.high;
-  }
-  if (!point.is_inside) return json;
-  json.update(bounded_json(point.value));
-  json["error"] = point.error;
-  if (has_region) json["region"] = point.region;
+  for (const auto& [name, number] : numbers_of_field(of))
+    json[name] = is_empty ? Json(nullptr) : bounded_json(number);
+  json["integral_rounding"] = of.integral_rounding;
+  const bool is_estimate = place == ErrorPlace::at_samples;
+  json[is_estimate ? "integral_error_estimate" : "integral_error"] = of.integral_estimate;
   return json;
 }
 
+/// What is said of further fields as a whole; of an integral that is all.
+Json with_json(const ProbeAnswer& answer) {
+  Json with = Json::array();
+  for (std::size_t f = 0; f < answer.with.size(); ++f) {
+    const ProbedField& about = answer.report.along[f];
+    Json one{{"field", answer.with[f]},
+             {"achieved_error", about.achieved_error},
+             {"error_kind", name_of(about.error_place)}};
+    if (answer.integral)
+      one.update(
+          integral_json(answer.integral->along[f], answer.integral->is_empty, about.error_place));
+    with.push_back(std::move(one));
+  }
+  return with;
+}
+
+/// Of a field at a point: bounds where they are known, and the value inside.
+Json value_json(const ProbedPoint& point, const BoundedNumber& value, double error) {
+  Json json = Json::object();
+  if (point.is_near_boundary) {
+    json["low"] = value.low;
+    json["high"] = value.high;
+  }
+  if (!point.is_inside) return json;
+  json.update(bounded_json(value));
+  json["error"] = error;
+  return json;
+}
+
+Json point_json(const ProbedPoint& point, const ProbeAnswer& answer) {
+  Json json;
+  json["point"] = point.point.v;
+  json["status"] = status_of(point);
+  json.update(value_json(point, point.value, point.error));
+  if (point.is_inside && answer.has_regions) json["region"] = point.region;
+  for (std::size_t f = 0; f < point.along.size(); ++f) {
+    Json more = value_json(point, point.along[f].value, point.along[f].error);
+    more["field"] = answer.with[f];
+    json["with"].push_back(std::move(more));
+  }
+  return json;
+}
+
+/// As RFC 4180 has it: in quotes where names of fields need it.
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 void append_row(std::string& text, const std::vector<std::string>& row) {
-  for (std::size_t i = 0; i < row.size(); ++i) text += (i == 0 ? "" : ",") + row[i];
+  for (std::size_t i = 0; i < row.size(); ++i) text += (i == 0 ? "" : ",") + csv_cell(row[i]);
   text += '\n';
 }
 
@@ -91,7 +157,7 @@ std::string probe_table(const ProbeAnswer& answer) {
   if (answer.integral) {
     if (answer.integral->is_empty) return "";
     Table table({"", "value", "low", "high"});
-    for (const auto& [name, number] : numbers_of(*answer.integral))
+    for (const auto& [name, number] : numbers_of(answer))
       table.add({name, fmt::format("{:.10g}", number.value), fmt::format("{:.10g}", number.low),
                  fmt::format("{:.10g}", number.high)});
     return table.to_string();
@@ -104,27 +170,24 @@ std::string probe_table(const ProbeAnswer& answer) {
 
 Json probe_json(const ProbeAnswer& answer) {
   Json json;
+  json["with"] = with_json(answer);
   if (answer.integral) {
     const IntegralReport& report = *answer.integral;
-    for (const auto& [name, number] : numbers_of(report))
-      json[name] = report.is_empty ? Json(nullptr) : bounded_json(number);
+    json["volume"] = report.is_empty ? Json(nullptr) : bounded_json(report.volume);
     json["volume_rounding"] = report.volume_rounding;
-    json["integral_rounding"] = report.integral_rounding;
-    const bool is_estimate = report.probe.error_place == ErrorPlace::at_samples;
-    json[is_estimate ? "integral_error_estimate" : "integral_error"] = report.integral_estimate;
+    json.update(integral_json(report, report.is_empty, report.probe.error_place));
     json["cells"] = report.n_cells;
     json["whole_cells"] = report.n_whole;
     return json;
   }
   if (!answer.points.empty()) {
     Json& points = json["points"] = Json::array();
-    for (const ProbedPoint& point : answer.points)
-      points.push_back(point_json(point, answer.has_regions));
+    for (const ProbedPoint& point : answer.points) points.push_back(point_json(point, answer));
     return json;
   }
   Json& line = json["line"] = Json::array();
   for (const ProbedLinePoint& point : answer.line) {
-    Json one = point_json(point.at, answer.has_regions);
+    Json one = point_json(point.at, answer);
     one["distance"] = point.distance;
     one["part"] = point.at.is_inside ? Json(point.part) : Json(nullptr);
     line.push_back(std::move(one));
@@ -137,7 +200,7 @@ std::string probe_csv(const ProbeAnswer& answer) {
   if (answer.integral) {
     append_row(text, {"quantity", "value", "low", "high"});
     if (answer.integral->is_empty) return text;
-    for (const auto& [name, number] : numbers_of(*answer.integral))
+    for (const auto& [name, number] : numbers_of(answer))
       append_row(text, {name, exact_number(number.value), exact_number(number.low),
                         exact_number(number.high)});
     return text;

@@ -15,7 +15,8 @@ struct ProbeAnswer {
   std::vector<ProbedPoint> points;
   std::vector<ProbedLinePoint> line;
   std::optional<IntegralReport> integral;
-  bool has_regions = false;  ///< Several.
+  bool has_regions = false;         ///< Several.
+  std::vector<std::string> with{};  ///< Names of further fields.
 };
 
 /// Rows for people, in as many digits as tables have; for programs, that read numbers back as they

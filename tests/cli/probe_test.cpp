@@ -221,7 +221,126 @@ TEST_F(cli_probe, tells_how_far_the_boundary_is_off) {
   }
   EXPECT_EQ(answer.at("near_boundary"), n_near);
   EXPECT_GT(n_near, 0);
-  EXPECT_EQ(run_lode({"probe", "--help"}).out.find("--with "), std::string::npos);
+}
+
+/// The noise, its square, and a vector whose name has a comma.
+std::string write_fields(const std::string& path) {
+  const TetraMesh noise = oracles::noise_mesh(10, oracles::Cut::in_five, 3);
+  SimplexMesh mesh;
+  mesh.positions = noise.positions;
+  mesh.values = noise.fields[0].values;
+  mesh.tetrahedra = noise.tetrahedra;
+  mesh.errors.assign(mesh.tetrahedra.size(), 0);
+  for (const auto& t : mesh.tetrahedra)
+    mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 2 : 5);
+  mesh.attributes = {{"square", false, {}}, {"x, y", false, {}}};
+  for (std::size_t v = 0; v < mesh.values.size(); ++v) {
+    mesh.attributes[0].values.push_back(mesh.values[v] * mesh.values[v]);
+    mesh.attributes[1].values.push_back(mesh.positions[v][0] + 2 * mesh.positions[v][1]);
+  }
+  Progress progress;
+  EXPECT_TRUE(write_vtu(path, mesh, {.value_name = "noise"}, progress));
+  return path;
+}
+
+/// With the fields of write_fields(), and a file of them.
+class cli_probe_with : public cli_probe {
+ protected:
+  cli_probe_with() {
+    const Finished build = run_lode({"build", mesh_of_all_, model_, "--field", "noise", "--with",
+                                     names_[0], "--with", names_[1]});
+    EXPECT_EQ(build.exit_code, 0) << build.err;
+  }
+  static nlohmann::json answer(const std::string& file, Words options) {
+    options.insert(options.begin(), {"probe", file, "--json"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  }
+  [[nodiscard]] Words with_all(Words options) const {
+    options.insert(options.end(), {"--field", "noise", "--with", names_[0], "--with", names_[1]});
+    return options;
+  }
+
+  std::vector<std::string> names_{"square", "x, y"};
+  std::string mesh_of_all_ = write_fields(scratch_ / "fields.vtu");
+  std::string model_ = scratch_ / "fields.lode";
+};
+
+TEST_F(cli_probe_with, further_fields_gives_of_each_what_it_is_alone) {
+  for (const Words& where :
+       {Words{"--point", "0.31,0.42,0.53", "--point", "0.2,0.2,0.2", "--point", "3,0,0"},
+        {"--line", "0,0.1,0.2:1,0.9,0.8"},
+        {"--line", "-1,0.2,0.2:2,0.2,0.2:9"}}) {
+    // At full resolution, in memory as in a file.
+    const nlohmann::json together = answer(model_, with_all(where));
+    const char* const key = where[0] == "--line" ? "line" : "points";
+    EXPECT_EQ(together.at(key), answer(mesh_of_all_, with_all(where)).at(key));
+    for (std::size_t f = 0; f < 2; ++f) {
+      Words one = where;
+      one.insert(one.end(), {"--field", names_[f]});
+      const nlohmann::json alone = answer(model_, one);
+      ASSERT_EQ(alone.at(key).size(), together.at(key).size());
+      for (std::size_t i = 0; i < alone.at(key).size(); ++i) {
+        const nlohmann::json& point = together.at(key)[i];
+        const nlohmann::json& more = point.at("with")[f];
+        EXPECT_EQ(more.at("field"), names_[f]);
+        EXPECT_EQ(more.contains("value"), point.at("status") != "outside");
+        for (const char* const number : {"value", "low", "high"})
+          EXPECT_EQ(more.value(number, nlohmann::json()),
+                    alone.at(key)[i].value(number, nlohmann::json()));
+      }
+    }
+  }
+}
+
+TEST_F(cli_probe_with, further_fields_of_a_coarse_cut_have_bounds_that_hold) {
+  Words where;
+  for (int i = 0; i < 50; ++i)
+    where.insert(where.end(),
+                 {"--point", fmt::format("{},{},{}", 0.02 * i, 0.013 * i, 0.9 - 0.01 * i)});
+  const nlohmann::json exact = answer(model_, with_all(where));
+  where.insert(where.end(), {"--max-error", "0.3"});
+  const nlohmann::json bounded = answer(model_, with_all(where));
+  int n_bounded = 0;
+  for (std::size_t i = 0; i < 50; ++i)
+    for (std::size_t f = 0; f < 2; ++f) {
+      const nlohmann::json& bounds = bounded.at("points")[i].at("with")[f];
+      const double value = exact.at("points")[i].at("with")[f].at("value");
+      EXPECT_LE(bounds.at("low").get<double>(), value + 1e-12);
+      EXPECT_GE(bounds.at("high").get<double>(), value - 1e-12);
+      if (bounded.at("points")[i].at("status") == "bounded") ++n_bounded;
+    }
+  EXPECT_GT(n_bounded, 20);
+  EXPECT_EQ(bounded.at("with")[0].at("field"), "square");
+  EXPECT_GT(bounded.at("with")[0].at("achieved_error"), 0);
+}
+
+TEST_F(cli_probe_with, further_fields_are_integrated_and_written_in_one_table) {
+  const std::string output = scratch_ / "out.csv";
+  const auto run = [&](Words options) {
+    options.insert(options.begin(), {"-o", output});
+    return answer(mesh_of_all_, with_all(options));
+  };
+  const nlohmann::json together = run({"--integral", "--region", "5"});
+  for (std::size_t f = 0; f < 2; ++f) {
+    const Finished alone = run_lode({"probe", mesh_of_all_, "--integral", "--region", "5",
+                                     "--field", f == 0 ? "square" : "x, y", "--json"});
+    for (const char* const key : {"integral", "mean", "minimum", "maximum"})
+      EXPECT_NEAR(together.at("with")[f].at(key).at("value").get<double>(),
+                  alone.json().at(key).at("value").get<double>(), 1e-12)
+          << key;
+    EXPECT_GT(together.at("with")[f].at("integral_rounding"), 0);
+  }
+  const std::string csv = read_bytes(output);
+  for (const char* const row :
+       {"\nvolume,", "\nmean,", "\nmean of square,", "\n\"maximum of x, y\","})
+    EXPECT_NE(csv.find(row), std::string::npos) << csv;
+  run({"--point", "0.5,0.5,0.5"});
+  EXPECT_EQ(read_bytes(output).substr(0, read_bytes(output).find('\n')),
+            "x,y,z,status,value,low,high,error,region,square,square low,square high,square error,"
+            "\"x, y\",\"x, y low\",\"x, y high\",\"x, y error\"");
+  EXPECT_TRUE(run({"--integral", "--box", "3,4,3,4,3,4"}).at("with")[0].at("mean").is_null());
 }
 
 TEST_F(cli_probe, refuses_what_has_no_answer) {

@@ -399,7 +399,6 @@ TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
           "--with: expected an output that ends in .vtp");
   refused({"extract", mesh_, out_, "--mesh", "--with", "square"}, "--field");
   refused({"extract", model_, out_, "--mesh", "--field", "square", "--time", "3"}, "has no steps");
-  refused({"probe", model_, "--point", "0,0,0", "--field", "noise", "--with", "square"}, "--with");
   refused(
       {"render", model_, scratch_ / "p.png", "--boundary", "--field", "noise", "--with", "square"},
       "--with");

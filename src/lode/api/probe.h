@@ -22,7 +22,15 @@ enum class ErrorPlace : std::uint8_t { at_samples, everywhere };
 struct ProbeOptions {
   double max_error = 0;   ///< Tolerance near what is probed, field units; 0: full resolution.
   std::size_t field = 0;  ///< Of the data's.
+  /// Further fields, which the answer has, too: of the same cut, whose tolerance is the field's.
+  std::vector<std::size_t> along{};
   Threads threads{};
+};
+
+/// A further field at a point.
+struct ProbedValue {
+  BoundedNumber value;  ///< As ProbedPoint's.
+  double error = 0;     ///< Likewise.
 };
 
 /// The field at a point. Where it is outside of all cells there is nothing but the point, and near
@@ -33,10 +41,11 @@ struct ProbedPoint {
   /// Outside of the cut, but no farther than its boundary may be off: if F is there, it is in the
   /// value's bounds.
   bool is_near_boundary = false;
-  bool is_exact = false;    ///< F' is F there: bounds are those of rounding.
-  BoundedNumber value{};    ///< F' of the cut, and bounds of F.
-  double error = 0;         ///< Stated by the cell: largest |F - F'|, see ErrorPlace.
-  std::int64_t region = 0;  ///< Where the data has several.
+  bool is_exact = false;             ///< F' is F there: bounds are those of rounding.
+  BoundedNumber value{};             ///< F' of the cut, and bounds of F.
+  double error = 0;                  ///< Stated by the cell: largest |F - F'|, see ErrorPlace.
+  std::int64_t region = 0;           ///< Where the data has several.
+  std::vector<ProbedValue> along{};  ///< By further field; of what is said above.
 };
 
 struct ProbedLine {
@@ -53,6 +62,12 @@ struct ProbedLinePoint {
   std::uint32_t part = 0;  ///< Counts the line's parts inside.
 };
 
+/// What is said of a further field.
+struct ProbedField {
+  double achieved_error = 0;  ///< As ProbeReport's.
+  ErrorPlace error_place = ErrorPlace::everywhere;
+};
+
 struct ProbeReport {
   double max_error = 0;
   double achieved_error = 0;  ///< Of what is probed, see ErrorPlace; 0 at full resolution.
@@ -60,6 +75,7 @@ struct ProbeReport {
   std::uint64_t n_cut_cells = 0;
   std::uint64_t n_outside = 0;        ///< Points; for certain.
   std::uint64_t n_near_boundary = 0;  ///< Points: ProbedPoint::is_near_boundary.
+  std::vector<ProbedField> along{};
   double seconds = 0;
 };
 
@@ -68,7 +84,18 @@ struct IntegralOptions {
   std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
   double max_error = 0;                 ///< As in ProbeOptions,
   std::size_t field = 0;                ///< likewise.
+  std::vector<std::size_t> along{};     ///< Likewise.
   Threads threads{};
+};
+
+/// Of a further field over the region, as IntegralReport's.
+struct FieldIntegral {
+  BoundedNumber integral;
+  BoundedNumber mean;
+  BoundedNumber minimum;
+  BoundedNumber maximum;
+  double integral_rounding = 0;
+  double integral_estimate = 0;
 };
 
 /// Of F over a region, with F' of the cut for values. Nothing but the counts where the region holds
@@ -89,6 +116,7 @@ struct IntegralReport {
   std::uint64_t n_cells = 0;  ///< That have a part in the region,
   std::uint64_t n_whole = 0;  ///< or all of theirs.
   bool is_empty = true;
+  std::vector<FieldIntegral> along{};
 };
 
 }  // namespace lode

@@ -30,20 +30,25 @@ class HalfEdgeView {
   using Cut = TetraCut;
 
   HalfEdgeView(const PackedHierarchy& hierarchy, std::size_t field)
-      : hierarchy_(hierarchy), field_(field), cut_(hierarchy, field) {}
+      : hierarchy_(hierarchy), cut_(hierarchy, field) {}
 
   [[nodiscard]] Cut& cut() { return cut_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const { return hierarchy_.position(vertex); }
-  [[nodiscard]] double value(std::uint32_t vertex) const {
-    return hierarchy_.value(vertex, field_);
+  [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const {
+    return hierarchy_.value(vertex, field);
+  }
+  [[nodiscard]] StoredFacts facts(NodeId node, std::size_t field) const {
+    return hierarchy_.facts(static_cast<std::uint32_t>(node), field);
+  }
+  [[nodiscard]] double range_reference(std::size_t field) const {
+    return hierarchy_.head().fields[field].low;
   }
   [[nodiscard]] std::uint32_t maker(std::uint32_t slot) const { return cut_.maker(slot); }
   [[nodiscard]] std::uint32_t region(std::uint32_t slot) const { return cut_.region(slot); }
 
  private:
   const PackedHierarchy& hierarchy_;
-  std::size_t field_;
   Cut cut_;
 };
 
@@ -56,7 +61,15 @@ class MidpointView {
   [[nodiscard]] Cut& cut() { return cut_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const { return cut_.position(vertex); }
-  [[nodiscard]] double value(std::uint32_t vertex) const { return cut_.value(vertex); }
+  [[nodiscard]] double value(std::uint32_t vertex, std::size_t /*field*/) const {
+    return cut_.value(vertex);
+  }
+  [[nodiscard]] StoredFacts facts(NodeId node, std::size_t /*field*/) const {
+    return cut_.facts(node);
+  }
+  [[nodiscard]] double range_reference(std::size_t /*field*/) const {
+    return cut_.range_reference();
+  }
   [[nodiscard]] std::uint32_t maker(std::uint32_t slot) const {
     return cut_.maker(cut_.slots()[slot]);
   }
@@ -73,27 +86,35 @@ class MidpointView {
 /// the cut's cell there is the reference's.
 class CandidateRanges {
  public:
-  template <typename Model>
-  CandidateRanges(const Engine<Model>& engine, const Model& cut, const Range& all,
-                  const Box3d& domain)
-      : all_(all) {
+  /// `fields`: the cut's first.
+  template <typename View>
+  CandidateRanges(const Engine<typename View::Cut>& engine, const View& view, const TetraInfo& info,
+                  std::span<const std::size_t> fields)
+      : of_fields_(fields.size()) {
     const Cut& nodes = engine.cut();
-    const double slack = bounds_slack(domain);
+    const double slack = bounds_slack(info.bounds);
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      of_fields_[f].all = {info.fields[fields[f]].range_min, info.fields[fields[f]].range_max};
     for (std::size_t at = 0; at < nodes.n_places(); ++at) {
       const Cut::Entry& entry = nodes[static_cast<Cut::Place>(at)];
       if (entry.state != Cut::State::candidate) continue;
-      const Box3d box = box_of(cut.bounds(entry.id), slack);
+      const Box3d box = box_of(view.cut().bounds(entry.id), slack);
       const auto first = static_cast<std::uint32_t>(corners_.size());
       corners_.insert(corners_.end(), {box.lower, box.upper});
       boxes_.push_back({first, first + 1, first, first + 1});
-      ranges_.push_back(without_bounds(entry.facts(), cut.range_reference()).range);
-      error_ = std::max(error_, static_cast<double>(entry.error));
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        const StoredFacts facts = f == 0 ? entry.facts() : view.facts(entry.id, fields[f]);
+        OfField& field = of_fields_[f];
+        field.ranges.push_back(without_bounds(facts, view.range_reference(fields[f])).range);
+        field.error = std::max(field.error, static_cast<double>(facts.error));
+      }
     }
     locator_ = std::make_unique<const CellLocator>(corners_, boxes_, Threads{1});
   }
 
-  /// Empty where no candidate's bounds are.
-  [[nodiscard]] Range range_of_candidates(const Box3d& where) const {
+  /// Of the f-th field; empty where no candidate's bounds are.
+  [[nodiscard]] Range range_of_candidates(std::size_t f, const Box3d& where) const {
+    const OfField& field = of_fields_[f];
     Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     const auto meets = [&](const Box3d& box) {
       bool is = true;
@@ -102,25 +123,30 @@ class CandidateRanges {
       return is;
     };
     locator_->visit_where(meets, [&](std::uint32_t at) {
-      range.low = std::min(range.low, ranges_[at].low);
-      range.high = std::max(range.high, ranges_[at].high);
+      range.low = std::min(range.low, field.ranges[at].low);
+      range.high = std::max(range.high, field.ranges[at].high);
     });
     if (range.is_empty()) return range;
-    return {std::max(range.low, all_.low), std::min(range.high, all_.high)};
+    return {std::max(range.low, field.all.low), std::min(range.high, field.all.high)};
   }
-  [[nodiscard]] Range range_in(const Box3d& where) const {
-    const Range range = range_of_candidates(where);
-    return range.is_empty() ? all_ : range;
+  [[nodiscard]] Range range_in(std::size_t f, const Box3d& where) const {
+    const Range range = range_of_candidates(f, where);
+    return range.is_empty() ? of_fields_[f].all : range;
   }
   /// The largest: what the query achieves where it looks.
-  [[nodiscard]] double error() const { return error_; }
+  [[nodiscard]] double error(std::size_t f) const { return of_fields_[f].error; }
+  [[nodiscard]] const Range& all(std::size_t f) const { return of_fields_[f].all; }
 
  private:
-  Range all_;
+  struct OfField {
+    Range all;
+    std::vector<Range> ranges{};  ///< By candidate.
+    double error = 0;
+  };
+
+  std::vector<OfField> of_fields_;
   std::vector<Vec3d> corners_;
   std::vector<CellLocator::Cell> boxes_;
-  std::vector<Range> ranges_;
-  double error_ = 0;
   std::unique_ptr<const CellLocator> locator_;
 };
 
@@ -150,36 +176,38 @@ std::vector<std::uint32_t> slots_near(const View& view, const MeetsBox& where) {
   return slots_found;
 }
 
+/// Cells without values.
 template <typename View>
-void fill_cells(const View& view, const TetraInfo& info, const std::vector<std::uint32_t>& slots,
-                ProbeCells& cells) {
+ProbeCells bare_cells(const View& view, const TetraInfo& info,
+                      const std::vector<std::uint32_t>& slots,
+                      std::vector<std::uint32_t>& vertices) {
+  ProbeCells cells{.is_exact_at_vertices = info.placement == Placement::half_edge};
   SimplexMesh& mesh = cells.mesh;
-  std::vector<std::uint32_t> vertices;
   for (const std::uint32_t slot : slots) {
     const auto& cell = view.cut().slots()[slot];
     mesh.tetrahedra.push_back(cell.corners);
-    const std::uint32_t maker = view.maker(slot);
-    cells.is_exact.push_back(maker == kNone ? 1 : 0);
-    mesh.errors.push_back(maker == kNone ? 0 : view.cut().facts(NodeId{maker}).error);
+    cells.is_exact.push_back(view.maker(slot) == kNone ? 1 : 0);
     if (info.regions.size() > 1) mesh.regions.push_back(info.regions[view.region(slot)].id);
     vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
   }
   std::ranges::sort(vertices);
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  for (const std::uint32_t v : vertices) {
-    mesh.positions.push_back(view.position(v));
-    mesh.values.push_back(view.value(v));
-  }
+  for (const std::uint32_t v : vertices) mesh.positions.push_back(view.position(v));
   for (auto& t : mesh.tetrahedra)
     for (std::uint32_t& v : t)
       v = static_cast<std::uint32_t>(std::ranges::lower_bound(vertices, v) - vertices.begin());
+  cells.domain = info.bounds;
+  cells.boundary_deviation = info.boundary_deviation;
+  return cells;
 }
 
-/// The cells of a cut that is fine where is looked, and those there only.
+/// The cells of a cut that is fine where is looked, and those there only, by field: all have the
+/// same ones. The tolerance is the first field's.
 template <typename View>
-Result<ProbeCells> cells_of(View view, const TetraInfo& info, std::size_t field,
-                            const MeetsBox& where, double max_error, Progress& progress,
-                            ProbeReport& report) {
+Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info,
+                                         std::span<const std::size_t> fields, const MeetsBox& where,
+                                         double max_error, Progress& progress,
+                                         ProbeReport& report) {
   typename View::Cut& cut = view.cut();
   Engine<typename View::Cut> engine(cut);
   engine.set_query(probe_demand(where, max_error, bounds_slack(info.bounds)), {},
@@ -187,44 +215,70 @@ Result<ProbeCells> cells_of(View view, const TetraInfo& info, std::size_t field,
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
-  const Range all{info.fields[field].range_min, info.fields[field].range_max};
-  const auto ranges = std::make_shared<const CandidateRanges>(engine, cut, all, info.bounds);
-  const ErrorPlace place = info.fields[field].error_place;
-  ProbeCells cells{.is_exact_at_vertices = info.placement == Placement::half_edge,
-                   .error_place = place};
+  const auto ranges = std::make_shared<const CandidateRanges>(engine, view, info, fields);
   // Those, too, whose boundary may be off by as much as to come there.
   const double deviation = info.boundary_deviation;
   const auto near = [&](const Box3d& box) {
     const Vec3d reach{{deviation, deviation, deviation}};
     return where({box.lower - reach, box.upper + reach});
   };
-  fill_cells(view, info, slots_near(view, near), cells);
-  LODE_CHECK(cut.check());
-  cells.range_in = [ranges](const Box3d& box) { return ranges->range_in(box); };
-  cells.range_off_cells = [ranges](const Box3d& box) { return ranges->range_of_candidates(box); };
-  cells.all = all;
-  cells.domain = info.bounds;
-  cells.boundary_deviation = deviation;
+  const std::vector<std::uint32_t> slots = slots_near(view, near);
+  std::vector<std::uint32_t> vertices;
+  ProbeCells shape = bare_cells(view, info, slots, vertices);
+  std::vector<ProbeCells> made(fields.size() - 1, shape);
+  made.push_back(std::move(shape));
   report = {.max_error = max_error,
-            .achieved_error = ranges->error(),
-            .error_place = place,
+            .achieved_error = ranges->error(0),
+            .error_place = info.fields[fields[0]].error_place,
             .n_cut_cells = engine.standing().n_cells};
-  return cells;
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    ProbeCells& cells = made[f];
+    for (const std::uint32_t slot : slots) {
+      const std::uint32_t maker = view.maker(slot);
+      cells.mesh.errors.push_back(maker == kNone ? 0 : view.facts(NodeId{maker}, fields[f]).error);
+    }
+    for (const std::uint32_t v : vertices) cells.mesh.values.push_back(view.value(v, fields[f]));
+    cells.range_in = [ranges, f](const Box3d& box) { return ranges->range_in(f, box); };
+    cells.range_off_cells = [ranges, f](const Box3d& box) {
+      return ranges->range_of_candidates(f, box);
+    };
+    cells.all = ranges->all(f);
+    cells.error_place = info.fields[fields[f]].error_place;
+    if (f > 0) report.along.push_back({ranges->error(f), cells.error_place});
+  }
+  LODE_CHECK(cut.check());
+  return made;
 }
 
-Result<ProbeCells> cells_near(const ProbedHierarchy& hierarchy, std::size_t field,
-                              const MeetsBox& where, double max_error, Progress& progress,
-                              ProbeReport& report) {
-  const auto look = [&](const auto* found, const auto& view_of) -> Result<ProbeCells> {
+/// The field, and further ones.
+template <typename Options>
+std::vector<std::size_t> fields_of(const Options& options) {
+  std::vector<std::size_t> fields{options.field};
+  fields.insert(fields.end(), options.along.begin(), options.along.end());
+  return fields;
+}
+
+Result<std::vector<ProbeCells>> cells_near(const ProbedHierarchy& hierarchy,
+                                           std::span<const std::size_t> fields,
+                                           const MeetsBox& where, double max_error,
+                                           Progress& progress, ProbeReport& report) {
+  const auto look = [&](const auto* found, const auto& view_of) -> Result<std::vector<ProbeCells>> {
     const TetraInfo info = info_of(found->head());
-    if (field >= info.fields.size())
-      return fail("field: expected a number below {}, got {}", info.fields.size(), field);
-    return cells_of(view_of(*found), info, field, where, max_error, progress, report);
+    for (const std::size_t field : fields)
+      if (field >= info.fields.size())
+        return fail("field: expected a number below {}, got {}", info.fields.size(), field);
+    return cells_of(view_of(*found), info, fields, where, max_error, progress, report);
   };
   if (const auto* half_edges = std::get_if<const PackedHierarchy*>(&hierarchy))
-    return look(*half_edges, [&](const PackedHierarchy& h) { return HalfEdgeView(h, field); });
+    return look(*half_edges,
+                [&](const PackedHierarchy& h) { return HalfEdgeView(h, fields.front()); });
   return look(std::get<const Forest*>(hierarchy),
-              [&](const Forest& forest) { return MidpointView(forest, field); });
+              [&](const Forest& forest) { return MidpointView(forest, fields.front()); });
+}
+
+/// Of a point that is in the same cell.
+void add_along(const ProbedPoint& more, ProbedPoint& point) {
+  point.along.push_back({more.value, more.error});
 }
 
 void count_outside(std::span<const ProbedPoint> points, ProbeReport& report) {
@@ -239,9 +293,14 @@ Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, std::span<
                                     Progress& progress) {
   LODE_CHECK(check_probe(points, options.max_error));
   ProbeReport report;
-  LODE_TRY(const ProbeCells cells, cells_near(hierarchy, options.field, meets_points(points),
-                                              options.max_error, progress, report));
-  found = probe_points_in(cells, points, options.threads);
+  LODE_TRY(const std::vector<ProbeCells> cells,
+           cells_near(hierarchy, fields_of(options), meets_points(points), options.max_error,
+                      progress, report));
+  found = probe_points_in(cells.front(), points, options.threads);
+  for (const ProbeCells& more : std::span(cells).subspan(1)) {
+    const std::vector<ProbedPoint> values = probe_points_in(more, points, options.threads);
+    for (std::size_t i = 0; i < found.size(); ++i) add_along(values[i], found[i]);
+  }
   count_outside(found, report);
   return report;
 }
@@ -258,10 +317,16 @@ Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, const Prob
     found = on_line(line, points);
     return report;
   }
-  LODE_TRY(const ProbeCells cells,
-           cells_near(hierarchy, options.field, meets_segment(line.begin, line.end),
+  LODE_TRY(const std::vector<ProbeCells> cells,
+           cells_near(hierarchy, fields_of(options), meets_segment(line.begin, line.end),
                       options.max_error, progress, report));
-  found = probe_line_in(cells, line.begin, line.end, options.threads);
+  found = probe_line_in(cells.front(), line.begin, line.end, options.threads);
+  for (const ProbeCells& more : std::span(cells).subspan(1)) {
+    const std::vector<ProbedLinePoint> values =
+        probe_line_in(more, line.begin, line.end, options.threads);
+    LODE_EXPECTS(values.size() == found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) add_along(values[i].at, found[i].at);
+  }
   return report;
 }
 
@@ -269,10 +334,16 @@ Result<IntegralReport> integrate_hierarchy(const ProbedHierarchy& hierarchy,
                                            const IntegralOptions& options, Progress& progress) {
   LODE_CHECK(check_integral(options));
   ProbeReport probe;
-  LODE_TRY(const ProbeCells cells,
-           cells_near(hierarchy, options.field, options.box ? meets_box(*options.box) : meets_all(),
-                      options.max_error, progress, probe));
-  IntegralReport report = integrate_cells(cells, options);
+  LODE_TRY(
+      const std::vector<ProbeCells> cells,
+      cells_near(hierarchy, fields_of(options), options.box ? meets_box(*options.box) : meets_all(),
+                 options.max_error, progress, probe));
+  IntegralReport report = integrate_cells(cells.front(), options);
+  for (const ProbeCells& more : std::span(cells).subspan(1)) {
+    const IntegralReport of = integrate_cells(more, options);
+    report.along.push_back(
+        {of.integral, of.mean, of.minimum, of.maximum, of.integral_rounding, of.integral_estimate});
+  }
   report.probe = probe;
   return report;
 }
