@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -61,7 +62,7 @@ class midpoint_verification : public testing::Test {
 
 TEST_F(midpoint_verification, finds_nothing_wrong_with_what_was_built) {
   const VerifyReport report = verified(hierarchy_);
-  EXPECT_EQ(report.checks.size(), 18U);
+  EXPECT_EQ(report.checks.size(), 19U);
   for (const VerifyReport::Check& check : report.checks) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
     EXPECT_GT(check.count, 0U) << check.name;
@@ -119,6 +120,27 @@ TEST_F(midpoint_verification, takes_no_size_from_what_a_file_says_of_its_box) {
   EXPECT_EQ(widened, (std::vector<std::string>{"the box that is stated is that of the vertices"}));
   const auto closed = failures([](MidpointHierarchy& h) { h.box.upper = h.box.lower; });
   EXPECT_TRUE(has(closed, "the box that is stated is that of the vertices"));
+}
+
+TEST_F(midpoint_verification, finds_a_range_that_is_wider_than_the_values) {
+  const std::vector<std::string> expected{"the range that is stated is that of the values"};
+  const auto with_codes = [](MidpointHierarchy& h, NodeCodes::Knots knots) {
+    h.codes = NodeCodes(knots, h.codes.largest_error(), h.codes.largest_radius());
+  };
+  EXPECT_EQ(failures([&](MidpointHierarchy& h) {
+              NodeCodes::Knots knots{};
+              std::ranges::copy(h.codes.knots(), knots.begin());
+              h.high = knots.back() = std::nextafter(h.high, 10.0);
+              with_codes(h, knots);
+            }),
+            expected);
+  EXPECT_EQ(failures([&](MidpointHierarchy& h) {
+              NodeCodes::Knots knots{};
+              std::ranges::copy(h.codes.knots(), knots.begin());
+              h.low = knots.front() = h.low - 1;
+              with_codes(h, knots);
+            }),
+            expected);
 }
 
 TEST_F(midpoint_verification, finds_vertices_that_are_elsewhere_and_masks_that_are_wrong) {

@@ -79,7 +79,7 @@ TEST_F(tetra_verification, finds_nothing_wrong_with_what_was_built) {
   Progress progress;
   const auto report = verify_hierarchy(*source_of(packed), {.threads = {2}}, progress);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->checks.size(), 18U);
+  EXPECT_EQ(report->checks.size(), 19U);
   for (const VerifyReport::Check& check : report->checks) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
     EXPECT_GT(check.count, 0U) << check.name;

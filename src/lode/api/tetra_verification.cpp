@@ -74,6 +74,7 @@ class CutVerifier {
  private:
   [[nodiscard]] Result<void> measure(std::size_t field, std::optional<double> share,
                                      VerifyReport& report);
+  void check_range(std::size_t number, VerifyReport& report) const;
   /// Of a check of one field: names it where there are several.
   [[nodiscard]] std::string named(const std::string& check, std::size_t field) const {
     const TetraFieldInfo& head = source_.info().fields[field];
@@ -287,10 +288,25 @@ Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& rep
   return {};
 }
 
+/// No smaller, and no wider: bounds of probes, colours and shares of it come from this.
+void CutVerifier::check_range(std::size_t number, VerifyReport& report) const {
+  const TetraFieldInfo& field = source_.info().fields[number];
+  const std::vector<double>& values = vertices_.values;
+  if (values.empty()) return;
+  const auto [low, high] = std::ranges::minmax(values);
+  const bool is_right = low == field.range_min && high == field.range_max;
+  report.add(named("the range that is stated is that of the values", number), values.size(),
+             is_right ? 0 : 1,
+             is_right ? ""
+                      : fmt::format("{} to {} instead of {} to {}", field.range_min,
+                                    field.range_max, low, high));
+}
+
 Result<void> CutVerifier::measure(std::size_t number, std::optional<double> share,
                                   VerifyReport& report) {
   const TetraFieldInfo& field = source_.info().fields[number];
   if (fields_.size() > 1) LODE_CHECK(source_.take_values(number, vertices_));
+  if (!share) check_range(number, report);
   const auto tolerance = share ? std::optional(*share * field.base_error) : std::nullopt;
   LODE_TRY(RefinedCells refined, source_.refined(number, tolerance, progress_));
   TetraCells& cells = refined.cells;
