@@ -285,32 +285,75 @@ std::string extraction_text(const Extraction& extraction) {
   return table.to_string();
 }
 
-Result<void> run_job(const Job& job, const ExtractOptions& options, const Input& input,
-                     Session& session, Totals& totals) {
-  ExtractOptions job_options = options;
-  job_options.isovalues = job.isovalues;
-  const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
-    return {.comment = fmt::format(
-                "Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}", LODE_VERSION,
-                job.isovalues.size() == 1 ? "isovalue" : "isovalues", fmt::join(job.isovalues, " "),
-                report.max_error, report.achieved_error,
-                options.style == SurfaceStyle::cubes
-                    ? fmt::format(", style cubes{}, style_error {}",
-                                  options.style_distance
-                                      ? fmt::format(" within {}", *options.style_distance)
-                                      : "",
-                                  report.style_error)
-                    : "",
-                topology_comment(report), distance_comment(report), simplify_comment(report),
-                salvage_comment(input.dataset.salvaged())),
-            .frame = input.info.volume.grid.frame};
-  };
-  LODE_TRY(const ExtractReport report,
-           extract_to_file(input.dataset, job_options, job.path, note, session.progress()));
+/// What files say of themselves.
+SurfaceWriteOptions note_of(const ExtractReport& report, const std::vector<double>& isovalues,
+                            const ExtractOptions& options, const Input& input) {
+  return {.comment =
+              fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}", LODE_VERSION,
+                          isovalues.size() == 1 ? "isovalue" : "isovalues",
+                          fmt::join(isovalues, " "), report.max_error, report.achieved_error,
+                          options.style == SurfaceStyle::cubes
+                              ? fmt::format(", style cubes{}, style_error {}",
+                                            options.style_distance
+                                                ? fmt::format(" within {}", *options.style_distance)
+                                                : "",
+                                            report.style_error)
+                              : "",
+                          topology_comment(report), distance_comment(report),
+                          simplify_comment(report), salvage_comment(input.dataset.salvaged())),
+          .frame = input.info.volume.grid.frame};
+}
+
+void add_job(const ExtractReport& report, const ExtractOptions& options, const Input& input,
+             Session& session, Totals& totals) {
   totals.add(report);
-  warn_of_cubes(session, job_options);
   warn_of_open(session, report);
   warn_of_unmet(session, report.unmet, options, input.info);
+}
+
+/// Simplified by themselves surfaces keep to their bands, which may be one in places.
+void warn_of_common_bands(Session& session, std::vector<double> isovalues,
+                          const ExtractReport& report) {
+  std::ranges::sort(isovalues);
+  const double width = 2 * (report.max_error + report.coordinate_slack);
+  const auto near = std::ranges::adjacent_find(
+      isovalues, [width](double lower, double upper) { return upper - lower <= width; });
+  if (near == isovalues.end()) return;
+  session.warn(fmt::format(
+      "each isovalue is simplified by itself within its max error of {}: surfaces of {} and {}, "
+      "which are no farther apart than two of that, may pass through each other",
+      report.max_error, *near, *std::next(near)));
+}
+
+/// Of more than one job each has an isovalue of its own.
+Result<void> run_jobs(const std::vector<Job>& jobs, const ExtractOptions& options,
+                      const Input& input, Session& session, Totals& totals) {
+  const std::vector<std::string> paths = paths_of(jobs);
+  bool is_together = false;
+  if (jobs.size() > 1) {
+    LODE_TRY(is_together, are_extracted_together(input.dataset, options, paths.front()));
+  }
+  if (is_together) {
+    const auto note = [&](const ExtractReport& report, double isovalue) {
+      return note_of(report, {isovalue}, options, input);
+    };
+    LODE_TRY(const ExtractReport report,
+             extract_to_files(input.dataset, options, paths, note, session.progress()));
+    add_job(report, options, input, session, totals);
+    return {};
+  }
+  for (const Job& job : jobs) {
+    ExtractOptions alone = options;
+    alone.isovalues = job.isovalues;
+    const auto note = [&](const ExtractReport& report) {
+      return note_of(report, job.isovalues, options, input);
+    };
+    LODE_TRY(const ExtractReport report,
+             extract_to_file(input.dataset, alone, job.path, note, session.progress()));
+    add_job(report, options, input, session, totals);
+  }
+  if (jobs.size() > 1 && !input.dataset.takes_several_isovalues(options))
+    warn_of_common_bands(session, options.isovalues, totals.report);
   return {};
 }
 
@@ -323,15 +366,8 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
-  if (jobs.size() > 1 && (options.max_distance || options.keep_topology))
-    session.warn(
-        "each isovalue is extracted by itself into a file of its own: surfaces of different files "
-        "may pass through each other; .ply, .vtp and .glb hold all of them, of one cut");
-  std::vector<std::string> paths;
-  for (const Job& job : jobs) {
-    LODE_CHECK(check_writable(job.path));
-    paths.push_back(job.path);
-  }
+  const std::vector<std::string> paths = paths_of(jobs);
+  for (const std::string& path : paths) LODE_CHECK(check_writable(path));
   LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
   const auto accept = [&](const VolumeInfo& volume) {
     return check_holds(arguments.output, volume);
@@ -345,10 +381,9 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   if (arguments.progressive.is_wanted()) {
     LODE_TRY(steps, write_steps({folder, arguments.output, options, input}, session, outputs));
   }
-  for (const Job& job : jobs) {
-    LODE_CHECK(run_job(job, options, input, session, totals));
-    outputs.add(job.path);
-  }
+  for (const std::string& path : paths) outputs.add(path);
+  LODE_CHECK(run_jobs(jobs, options, input, session, totals));
+  warn_of_cubes(session, options);
   outputs.keep();
   folder.keep();
   const Extraction extraction{arguments, options, input, outputs.paths(), totals, steps};
@@ -367,7 +402,7 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
 
 constexpr const char* kFooter =
     "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
-    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
+    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut.\n\n"
     "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
     ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
     "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"

@@ -6,6 +6,7 @@
 #include "command.h"
 #include "extraction_options.h"
 #include "input.h"
+#include "parse.h"
 #include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
@@ -20,20 +21,23 @@ namespace {
 struct VerifyArguments {
   std::string input;
   std::string original;
-  std::string surface;
+  std::vector<std::string> surfaces;
   std::string memory_limit;
   bool is_exact = false;
   SimplifyArguments simplify;
   ExtractionArguments extraction;
   ReadingArguments reading;
   TerrainArguments terrain;
+
+  /// The first; empty where there is none.
+  [[nodiscard]] std::string surface() const { return surfaces.empty() ? "" : surfaces.front(); }
 };
 
 Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   if (!arguments.memory_limit.empty()) {
-    if (!options.max_distance && !arguments.surface.empty())
+    if (!options.max_distance && !arguments.surfaces.empty())
       return fail(
           "--memory-limit: expected --max-distance, without --simplify, where there is a "
           "--surface: "
@@ -45,7 +49,7 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 
 /// For looking at the file; a surface's limit says how that was extracted. 0: none was given.
 std::uint64_t limit_of_file(const VerifyArguments& arguments, const ExtractOptions& options) {
-  return arguments.surface.empty() ? options.memory_limit : 0;
+  return arguments.surfaces.empty() ? options.memory_limit : 0;
 }
 
 [[nodiscard]] TetraVerifyJob tetra_job(const VerifyArguments& arguments) {
@@ -53,8 +57,9 @@ std::uint64_t limit_of_file(const VerifyArguments& arguments, const ExtractOptio
 }
 
 [[nodiscard]] TerrainVerifyJob terrain_job(const VerifyArguments& arguments) {
-  return {arguments.input,   arguments.original, arguments.surface, arguments.extraction.max_error,
-          arguments.terrain, arguments.reading};
+  return {arguments.input,     arguments.original,
+          arguments.surface(), arguments.extraction.max_error,
+          arguments.terrain,   arguments.reading};
 }
 
 /// They say how a surface was extracted: without one they would mean nothing.
@@ -68,6 +73,9 @@ Result<void> check_no_surface_options(const CLI::App& app) {
 }
 
 Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app) {
+  if (arguments.surfaces.size() > 1 &&
+      (holds_tiles(arguments.input) || holds_terrain(arguments.input)))
+    return fail("--surface: expected one for terrain, got {}", arguments.surfaces.size());
   if (holds_tiles(arguments.input)) return check_tile_verify(terrain_job(arguments), app);
   if (holds_terrain(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
   if (const auto none = check_no_terrain(arguments.terrain, arguments.input); !none) {
@@ -76,7 +84,7 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
     return none.error();
   }
   if (holds_cells(arguments.input)) {
-    if (!arguments.surface.empty())
+    if (!arguments.surfaces.empty())
       return fail("--surface: expected a volume or its .lode file with it, got the mesh '{}'",
                   arguments.input);
     if (!arguments.memory_limit.empty())
@@ -88,13 +96,16 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
     return fail("--exact: expected a mesh of cells or its .lode file with it, got '{}'",
                 arguments.input);
   LODE_TRY(const ExtractOptions options, options_of(arguments));
-  if ((options.max_distance || options.simplify_distance) && arguments.surface.empty())
+  if ((options.max_distance || options.simplify_distance) && arguments.surfaces.empty())
     return fail("{}: expected --surface FILE with it, got none",
                 options.simplify_distance ? "--simplify" : "--max-distance");
-  if (!arguments.surface.empty()) {
-    LODE_CHECK(check_surface_path(arguments.surface));
+  if (!arguments.surfaces.empty()) {
+    for (const std::string& path : arguments.surfaces) LODE_CHECK(check_surface_path(path));
     if (options.isovalues.empty())
       return fail("--surface: expected the --isovalue it was extracted with, got none");
+    if (arguments.surfaces.size() > 1 && arguments.surfaces.size() != options.isovalues.size())
+      return fail("--surface: expected an --isovalue for each of {} surfaces, got {}",
+                  arguments.surfaces.size(), options.isovalues.size());
   } else {
     LODE_CHECK(check_no_surface_options(app));
   }
@@ -105,7 +116,7 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
     if (auto reading = to_read_options(arguments.reading, {}); !reading) return reading.error();
     return {};
   }
-  if (!is_lode_path(arguments.input) && arguments.surface.empty())
+  if (!is_lode_path(arguments.input) && arguments.surfaces.empty())
     return fail("{}: expected a .lode file, or --surface FILE to check against this volume",
                 arguments.input);
   return check_reading_options(arguments.reading, arguments.input);
@@ -121,15 +132,18 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
   LODE_TRY(const ExtractOptions asked, options_of(arguments));
   // Within a distance the query is repeated as it was made, by chunks where that is how, before the
   // model is loaded; without a surface it may never be.
-  const auto get = asked.max_distance || arguments.surface.empty() ? open_input : load_input;
+  const auto get = asked.max_distance || arguments.surfaces.empty() ? open_input : load_input;
   LODE_TRY(const Input input, get(session, arguments.input, arguments.reading, {}));
   VerifyReport of_surface;
-  if (!arguments.surface.empty()) {
+  if (!arguments.surfaces.empty()) {
     ExtractOptions options = asked;
     set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
               options.max_error);
     options.threads = session.threads();
-    LODE_TRY(const Surface surface, read_surface(arguments.surface));
+    LODE_TRY(const Surface surface,
+             arguments.surfaces.size() == 1
+                 ? read_surface(arguments.surface())
+                 : read_isovalue_files(arguments.surfaces, options.isovalues));
     LODE_TRY(of_surface, input.dataset.verify_surface(surface, options, session.progress()));
   }
   if (!arguments.original.empty()) {
@@ -168,7 +182,8 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
   outcome.json["command"] = "verify";
   outcome.json["file"] = arguments.input;
   outcome.json["against"] = or_null(arguments.original);
-  outcome.json["surface"] = or_null(arguments.surface);
+  outcome.json["surface"] =
+      arguments.surfaces.size() > 1 ? Json(arguments.surfaces) : or_null(arguments.surface());
   outcome.json["passed"] = report.passed();
   outcome.json["checks"] = std::move(checks);
   outcome.json["seconds"] = seconds;
@@ -179,7 +194,7 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
-  const bool needs_model = !arguments.original.empty() || !arguments.surface.empty();
+  const bool needs_model = !arguments.original.empty() || !arguments.surfaces.empty();
   const bool is_of_tiles = holds_tiles(arguments.input);
   const bool is_terrain = is_of_tiles || holds_terrain(arguments.input);
   const bool is_tetra = !is_terrain && holds_cells(arguments.input);
@@ -202,7 +217,7 @@ Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   for (const VerifyReport::Check& check : report.checks) {
     if (check.passed) continue;
     session.fail(fmt::format("{}: failed: {}{}{}",
-                             arguments.surface.empty() ? arguments.input : arguments.surface,
+                             arguments.surfaces.empty() ? arguments.input : arguments.surface(),
                              check.name, check.detail.empty() ? "" : ": ", check.detail));
     break;
   }
@@ -235,6 +250,8 @@ Command add_verify_command(CLI::App& program) {
       "  lode verify mesh.vtu\n  lode verify mesh.lode --against mesh.vtu\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
+      "  lode verify scan.lode --surface bone-300.stl --surface bone-1200.stl --isovalue 300 "
+      "--isovalue 1200 --keep-topology\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5");
   app->add_option("file", arguments->input, ".lode file, or a volume or mesh to build in memory")
@@ -245,7 +262,11 @@ Command add_verify_command(CLI::App& program) {
   app->add_flag("--exact", arguments->is_exact,
                 "Of meshes of tetrahedra: errors at all points of random cuts, in the overlay with "
                 "the mesh that was read (takes long)");
-  app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
+  app->add_option("--surface", arguments->surfaces,
+                  "Surface to check; may be repeated for surfaces in files of their own that were "
+                  "extracted together, one for each --isovalue, in the same order")
+      ->type_name("SURFACE")
+      ->allow_extra_args(false);
   app->add_flag(
       "--simplify,--remove-slivers", arguments->simplify.simplifies,
       "The surface was simplified: distance and pieces are held against what it was before; within "

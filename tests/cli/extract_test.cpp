@@ -150,6 +150,45 @@ TEST_F(cli_extract, writes_a_file_for_each_isovalue_where_it_must_and_names_them
   EXPECT_FALSE(std::filesystem::exists(file("s.stl")));
 }
 
+TEST_F(cli_extract, puts_isovalues_of_one_cut_into_files_that_verify_holds_together) {
+  const std::vector<std::string> query{"--isovalue",     "60", "--isovalue", "100",
+                                       "--max-distance", "2"};
+  const Finished run =
+      extract("s.stl", {"--isovalue", "60", "--isovalue", "100", "--max-distance", "2", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(run.json().at("warnings").empty()) << run.out;
+  EXPECT_EQ(run.json().at("outputs"), (nlohmann::json{file("s-60.stl"), file("s-100.stl")}));
+  const auto verify = [&](std::vector<std::string> surfaces) {
+    std::vector<std::string> command{"verify", lode_file()};
+    for (const std::string& surface : surfaces) {
+      command.emplace_back("--surface");
+      command.push_back(file(surface));
+    }
+    command.insert(command.end(), query.begin(), query.end());
+    command.emplace_back("--json");
+    return run_lode(command);
+  };
+  const Finished both = verify({"s-60.stl", "s-100.stl"});
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(both.json().at("surface").size(), 2u);
+  EXPECT_EQ(verify({"s-100.stl", "s-60.stl"}).exit_code, 1) << "not where they belong";
+  const Finished three = verify({"s-60.stl", "s-100.stl", "s-60.stl"});
+  EXPECT_EQ(three.exit_code, 2);
+  EXPECT_NE(three.err.find("--isovalue for each of 3"), std::string::npos) << three.err;
+}
+
+TEST_F(cli_extract, warns_of_files_simplified_apart_in_bands_that_overlap) {
+  const auto warnings = [&](const std::string& error) {
+    const Finished run = extract("b.stl", {"--isovalue", "60", "--isovalue", "100", "--simplify",
+                                           "--max-error", error, "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json().at("warnings");
+  };
+  EXPECT_TRUE(warnings("15").empty());
+  ASSERT_EQ(warnings("21").size(), 1u);
+  EXPECT_NE(warnings("21").at(0).get<std::string>().find("60 and 100"), std::string::npos);
+}
+
 TEST_F(cli_extract, replaces_an_older_output_whole_or_not_at_all) {
   write_bytes(file("s.ply"), "old");
   const Finished failed =

@@ -248,6 +248,9 @@ class Dataset {
   [[nodiscard]] Result<bool> comes_in_pieces(const ExtractOptions& options,
                                              Progress& progress) const;
 
+  /// Whether extract() takes several isovalues: not where it simplifies within a max_error.
+  [[nodiscard]] bool takes_several_isovalues(const ExtractOptions& options) const;
+
   /// The sizes of many isovalues' surfaces in the style of tetrahedra, without making any of them:
   /// exactly what extract() gives of each alone, but for all of them in one pass.
   [[nodiscard]] Result<CountReport> count(const CountOptions& options, Progress& progress) const;

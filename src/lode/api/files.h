@@ -7,6 +7,7 @@
 #include "lode/api/dataset.h"
 #include "lode/api/file_build.h"
 #include "lode/api/file_check.h"
+#include "lode/api/isovalue_files.h"
 #include "lode/api/mesh_picture.h"
 #include "lode/api/opened_terrain.h"
 #include "lode/api/terrain.h"

@@ -299,6 +299,10 @@ Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options, Progress& p
   return out_of_memory("extract the surface");
 }
 
+bool Dataset::takes_several_isovalues(const ExtractOptions& options) const {
+  return !has_band(options, tolerance_of(impl_->summary().stats, options));
+}
+
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSink& surface,
                                        Progress& progress) const try {
   const Stopwatch watch;
