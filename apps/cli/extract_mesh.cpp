@@ -19,6 +19,7 @@ struct Made {
   double achieved_error = 0;
   std::uint64_t n_vertices = 0;
   std::uint64_t n_cut_cells = 0;
+  std::uint64_t n_counted = 0;  ///< Of what --max-cells counts.
   std::uint64_t n_left_out = 0;
   bool budget_met = true;
   bool memory_met = true;
@@ -27,12 +28,18 @@ struct Made {
 };
 
 template <typename Report>
-Made to_made(const Report& report, bool is_default) {
-  return {report.max_error,      is_default,
-          report.achieved_error, report.n_vertices,
-          report.n_cut_cells,    report.n_left_out,
-          report.budget_met,     report.memory_met,
-          report.seconds,        0};
+Made to_made(const Report& report, bool is_default, std::uint64_t n_counted) {
+  return {report.max_error,
+          is_default,
+          report.achieved_error,
+          report.n_vertices,
+          report.n_cut_cells,
+          n_counted,
+          report.n_left_out,
+          report.budget_met,
+          report.memory_met,
+          report.seconds,
+          0};
 }
 
 /// Bytes; 0 where none is given.
@@ -53,8 +60,8 @@ void warn_of_shortcomings(Session& session, const Made& made) {
                     "them; a wider focus or a larger budget does",
                     made.n_left_out));
   if (!made.budget_met)
-    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
-                             made.n_cut_cells));
+    session.warn(
+        fmt::format("--max-cells is not met: the coarsest mesh has {} cells", made.n_counted));
 }
 
 std::string comment_of(const char* kind, const Input& input, const Made& made) {
@@ -117,7 +124,7 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
             options.query.max_error);
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
-  Made made = to_made(report, !options.query.max_error);
+  Made made = to_made(report, !options.query.max_error, report.n_cells);
   warn_of_shortcomings(session, made);
   if (mesh.is_empty()) session.warn("the mesh is empty: the data has no cell without a hole");
   const Stopwatch watch;
@@ -161,7 +168,7 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
   Surface section;
   LODE_TRY(const SectionReport report,
            input.dataset.extract_section(options, section, session.progress()));
-  Made made = to_made(report, !options.max_error);
+  Made made = to_made(report, !options.max_error, report.n_cut_cells);
   warn_of_shortcomings(session, made);
   warn_of_section(session, job, options, section, report);
   const Stopwatch watch;

@@ -155,8 +155,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "of "
       "cells also with % (default: any)");
   add("--max-cells", arguments.max_cells, "N",
-      "At most N simplices, before cells are cut by --clip or where the data end; without "
-      "--max-error, as accurate as they allow");
+      "At most N simplices, before cells are cut by --clip or where the data end; of a volume's "
+      "--mesh N cells as they are written; without --max-error, as accurate as they allow");
   add("--deadline-ms", arguments.deadline_ms, "T",
       "The best answer that is ready T milliseconds after the file is open");
 }

@@ -177,6 +177,30 @@ TEST(cut_mesh, keeps_a_budget_and_says_when_it_cannot) {
   expect_sound(base, volume);
 }
 
+/// The border cuts simplices in several: what is written is counted.
+TEST(cut_mesh, has_no_more_cells_than_its_budget_also_where_the_border_cuts_them) {
+  for (const Index3& dims : {Index3{{30, 22, 27}}, Index3{{41, 19, 23}}, Index3{{37, 1, 21}}}) {
+    const Volume volume = noisy_volume(plain_grid(dims), 3);
+    const Dataset dataset = dataset_of(volume);
+    for (const std::uint64_t budget : {200U, 1000U, 10000U}) {
+      SCOPED_TRACE(budget);
+      SimplexMesh mesh;
+      const MeshReport report = extract(dataset, {.budget = {budget}}, mesh);
+      EXPECT_TRUE(report.budget_met);
+      EXPECT_LE(mesh.n_cells(), budget);
+      EXPECT_EQ(report.n_cells, mesh.n_cells());
+      const bool is_full = report.achieved_error == 0;
+      EXPECT_TRUE(is_full || 2 * report.n_cells > budget) << report.n_cells;
+    }
+    // As many as the coarsest mesh has, and one less.
+    SimplexMesh base;
+    const std::uint64_t n_base = extract(dataset, {.budget = {1}}, base).n_cells;
+    EXPECT_TRUE(extract(dataset, {.budget = {n_base}}, base).budget_met);
+    EXPECT_EQ(base.n_cells(), n_base);
+    if (n_base > 1) EXPECT_FALSE(extract(dataset, {.budget = {n_base - 1}}, base).budget_met);
+  }
+}
+
 TEST(cut_mesh, leaves_out_what_holes_remove) {
   for (const Index3& dims : kDims)
     for (std::uint32_t seed = 0; seed < 6; ++seed) {

@@ -152,7 +152,9 @@ TEST_F(paged_model, gives_the_meshes_of_the_model_in_memory) {
   range.query.field_ranges = {{140, 150}};
   MeshOptions budget{.query = isosurface(150, 0)};
   budget.query.budget.max_cells = 5000;
-  for (const MeshOptions& options : {box, range, budget}) {
+  MeshOptions few = budget;  // which the border makes several cuts of
+  few.query.budget.max_cells = 400;
+  for (const MeshOptions& options : {box, range, budget, few}) {
     const Dataset opened = Dataset::open(path, {2}).value();
     SimplexMesh expected;
     SimplexMesh mesh;
@@ -160,6 +162,7 @@ TEST_F(paged_model, gives_the_meshes_of_the_model_in_memory) {
     const auto report = opened.extract_mesh(options, mesh, progress_);
     ASSERT_TRUE(wanted && report) << (report ? "" : report.error().message);
     EXPECT_FALSE(mesh.is_empty());
+    EXPECT_LE(mesh.n_cells(), options.query.budget.max_cells);
     EXPECT_TRUE(mesh.positions == expected.positions && mesh.values == expected.values);
     EXPECT_TRUE(mesh.tetrahedra == expected.tetrahedra && mesh.errors == expected.errors);
     EXPECT_EQ(report->achieved_error, wanted->achieved_error);

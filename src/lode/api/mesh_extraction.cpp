@@ -82,14 +82,13 @@ Demand mesh_focus(Query query) {
   return MeshDemand{to_demand(query)};
 }
 
+/// One cut's mesh.
 template <int D, typename Nodes>
-Result<MeshReport> extract_model_mesh(Nodes& opened, const MeshOptions& options, SimplexMesh& mesh,
-                                      Progress& progress) {
-  LODE_TRY(const Query query, complete_query(opened.model(), options.query));
-  LODE_CHECK(check_full_size<D>(opened.model(), query));
+Result<MeshReport> mesh_of_query(Nodes& opened, const Query& query, std::uint64_t memory_limit,
+                                 SimplexMesh& mesh, Progress& progress) {
   MeshReport report{.max_error = *query.max_error};
   LODE_CHECK(diamond::with_cut<D>(
-      opened, {mesh_demand(query), query.budget, kMaxMeshCells, options.memory_limit / 2}, progress,
+      opened, {mesh_demand(query), query.budget, kMaxMeshCells, memory_limit / 2}, progress,
       [&](const Cut& cut, const diamond::QueryCutReport& found) -> Result<void> {
         LODE_TRY(const auto made,
                  diamond::mesh_of_cut<D>(opened, cut,
@@ -106,6 +105,27 @@ Result<MeshReport> extract_model_mesh(Nodes& opened, const MeshOptions& options,
   report.n_cells = mesh.n_cells();
   report.n_vertices = mesh.positions.size();
   return report;
+}
+
+/// The engine counts simplices of the cut, of which the border makes more cells, or fewer: where
+/// there are too many of these the cut is to be smaller, by as much as they are too many.
+template <int D, typename Nodes>
+Result<MeshReport> extract_model_mesh(Nodes& opened, const MeshOptions& options, SimplexMesh& mesh,
+                                      Progress& progress) {
+  LODE_TRY(Query query, complete_query(opened.model(), options.query));
+  LODE_CHECK(check_full_size<D>(opened.model(), query));
+  const std::uint64_t most = query.budget.max_cells;
+  while (true) {
+    LODE_TRY(MeshReport report,
+             mesh_of_query<D>(opened, query, options.memory_limit, mesh, progress));
+    if (report.n_cells <= most || !report.budget_met) {
+      report.budget_met = report.n_cells <= most;
+      return report;
+    }
+    const double share = static_cast<double>(most) / static_cast<double>(report.n_cells);
+    const auto n = static_cast<std::uint64_t>(share * static_cast<double>(report.n_cut_cells));
+    query.budget.max_cells = std::max<std::uint64_t>(1, std::min(n, report.n_cut_cells - 1));
+  }
 }
 
 Query section_query(const SectionOptions& options) {

@@ -29,8 +29,8 @@ struct MeshReport {
   double max_error = 0;           ///< The tolerance asked for (or chosen), field units.
   double achieved_error = 0;      ///< Proven bound of |F - F'| over the cells in focus.
   double largest_error = 0;       ///< The same over all cells.
-  std::uint64_t n_cells = 0;      ///< Of the mesh.
-  std::uint64_t n_cut_cells = 0;  ///< Of the cut, before clipping: what the budget counts.
+  std::uint64_t n_cells = 0;      ///< Of the mesh; of volumes what the budget counts.
+  std::uint64_t n_cut_cells = 0;  ///< Of the cut, before it is clipped at the border.
   std::uint64_t n_vertices = 0;
   /// Simplices that holes remove in part, and nothing refined; of meshes of tetrahedra cells of the
   /// cut that a threshold leaves out.
