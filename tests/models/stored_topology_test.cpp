@@ -183,6 +183,36 @@ TEST(stored_topology, is_kept_in_the_surface_that_memory_gives) {
   }
 }
 
+/// Each is looked through for its nodes; then all that fit memory are extracted in one pass.
+TEST(stored_topology, of_several_isovalues_is_extracted_in_one_pass) {
+  const TestPath path("passes.lode");
+  const std::string lode = stored(path, rough_waves(long_dims(), ScalarType::uint8));
+  ExtractOptions options{.isovalues = {120.5, 90.5, 500, 105.5, 95.5}, .max_error = 30};
+  options.normals = Normals::off;
+  options.keep_topology = 0;
+  StoredExtract whole;
+  test::extract_stored(lode, options, false, whole);
+  std::array<int, 2> n_passes{};
+  for (const std::size_t is_limited : {0U, 1U}) {
+    const auto dataset = Dataset::open(lode, options.threads);
+    ASSERT_TRUE(dataset);
+    if (is_limited != 0) options.memory_limit = dataset->impl().chunk_bytes();
+    Progress progress([&](std::string_view phase, double fraction, std::uint64_t) {
+      n_passes[is_limited] += phase == "extracting" && fraction == 1 ? 1 : 0;
+    });
+    Surface surface;
+    const auto report = dataset->extract(options, surface, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(dataset->impl().is_in_file());
+    EXPECT_TRUE(surface.positions == whole.surface.positions);
+    EXPECT_TRUE(surface.triangles == whole.surface.triangles);
+    EXPECT_EQ(report->unmet, std::vector<double>{500});
+    EXPECT_EQ(report->topology->nodes, whole.report.topology->nodes);
+  }
+  EXPECT_EQ(n_passes[0], 1);
+  EXPECT_GT(n_passes[1], 1) << "where memory is short";
+}
+
 TEST(stored_topology, is_that_of_full_resolution) {
   const TestPath path("full.lode");
   const std::string lode = stored(path, rough_waves(long_dims(), ScalarType::uint8));

@@ -77,7 +77,7 @@ using WantedNodes = std::function<Result<const diamond::NodeSet<3>*>()>;
 /// extract_from_file() of all isovalues, in their order: before(isovalue) and after(isovalue) come
 /// round each surface, of which the first of a pass goes straight to the sink and others wait.
 /// These, and their parts, are to take max_bytes of memory; what does not fit is left to another
-/// pass, and where none fits each has its own, as where there are wanted_nodes, which may be empty.
+/// pass, and where none fits each has its own. `wanted_nodes` may be empty.
 template <int D, typename Before, typename After>
 Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCache& blocks,
                             const ExtractOptions& options, std::uint64_t max_bytes,
@@ -87,7 +87,7 @@ Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCa
   std::span<const double> left = options.isovalues;
   std::uint64_t bytes_each = guessed_bytes(field);
   while (!left.empty()) {
-    const std::uint64_t n_beside = wanted_nodes ? 0 : max_bytes / bytes_each;
+    const std::uint64_t n_beside = max_bytes / bytes_each;
     const auto some = left.first(std::min<std::uint64_t>(left.size(), 1 + n_beside));
     const auto isovalues = diamond::IsovalueList::of(some);
     std::vector<std::size_t> place(some.size());  // in `some`, by number
