@@ -18,12 +18,13 @@ namespace {
 Result<void> check_probe_arguments(const ProbeArguments& arguments) {
   LODE_TRY(const ProbeJob job, to_probe_job(arguments, {}));
   if (!arguments.output.empty()) LODE_CHECK(check_extension(arguments.output, ".csv"));
-  if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
-  if (!holds_cells(arguments.input))
+  if (!holds_cells(arguments.input)) {
+    if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
     return fail(
         "{}: expected a mesh of cells, or a .lode file made from one: volumes cannot be "
         "probed yet",
         arguments.input);
+  }
   LODE_CHECK(check_tetra_reading(arguments.reading, arguments.input));
   std::vector<std::string> inputs{arguments.input};
   if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);

@@ -49,10 +49,11 @@ void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments) {
 
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                  const std::string& instead) {
-  if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
-  if (!holds_terrain(arguments.input))
+  if (!holds_terrain(arguments.input)) {
+    if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
     return fail("{}: expected {}, or a .lode file made of these, got another file{}",
                 arguments.input, kTerrainFiles, instead.empty() ? "" : "; " + instead);
+  }
   LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain, reading_of(arguments)));
   if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
     return options.error();

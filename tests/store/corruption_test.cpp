@@ -52,10 +52,28 @@ TEST_F(damaged_file, is_detected_whichever_byte_is_flipped) {
     }
 }
 
+/// What it says may be wrong, but is said, or refused, all the same.
+TEST_F(damaged_file, names_its_model_or_not_whichever_byte_is_flipped) {
+  ASSERT_EQ(Reader::model_of(path_.str()).value(), "test model");
+  std::size_t n_refused = 0;
+  for (std::size_t i = 0; i < bytes_.size(); ++i)
+    for (const int mask : {0x01, 0x80, 0xFF}) {
+      auto flipped = bytes_;
+      flipped[i] ^= static_cast<std::byte>(mask);
+      save_file(path_.str(), flipped);
+      const auto model = Reader::model_of(path_.str());
+      n_refused += model ? 0 : 1;
+      if (i < kHeaderBytes) EXPECT_FALSE(model) << "byte " << i;
+      if (!model) EXPECT_TRUE(model.error().message.starts_with(path_.str() + ": ")) << i;
+    }
+  EXPECT_GE(n_refused, 3 * kHeaderBytes);
+}
+
 TEST_F(damaged_file, is_detected_wherever_it_is_truncated) {
   for (std::size_t size = 0; size < bytes_.size(); ++size) {
     const auto reader = [&] {
       save_file(path_.str(), std::span(bytes_).first(size));
+      EXPECT_FALSE(Reader::model_of(path_.str())) << size;
       return Reader::open(path_.str());
     }();
     ASSERT_FALSE(reader) << size;

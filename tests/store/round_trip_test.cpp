@@ -61,6 +61,40 @@ TEST(store, holds_a_file_without_blocks_or_metadata) {
   EXPECT_EQ(open_and_check(path.str()), "");
 }
 
+/// What comes later in the directory is not there any more.
+TEST(reader, names_the_model_by_the_start_of_the_directory) {
+  constexpr std::int32_t kBlocks = 20'000;
+  constexpr std::size_t kStart = 8 << 10;
+  const TestPath path("many_blocks.lode");
+  auto writer = Writer::create(path.str(), "of many blocks", to_bytes("metadata"));
+  ASSERT_TRUE(writer);
+  for (std::int32_t i = 0; i < kBlocks; ++i)
+    ASSERT_TRUE(writer->append({1, 0, {{i, 0, 0}}},
+                               encode_block({pattern_bytes(Pattern::random, 9 + i % 90, 1), 1})));
+  ASSERT_TRUE(writer->finish());
+  auto bytes = load_file(path.str());
+  const auto directory =
+      decode_header(std::span(bytes).first(kHeaderBytes), bytes.size(), path.str());
+  ASSERT_TRUE(directory);
+  ASSERT_GT(directory->directory_stored_size, 4 * kStart);
+  EXPECT_EQ(Reader::model_of(path.str()).value(), "of many blocks");
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(directory->directory_offset + kStart),
+            bytes.end(), std::byte{0});
+  save_file(path.str(), bytes);
+  EXPECT_FALSE(Reader::open(path.str()));
+  EXPECT_EQ(Reader::model_of(path.str()).value(), "of many blocks");
+}
+
+TEST(reader, names_no_model_of_what_is_no_such_file) {
+  const TestPath path("none.lode");
+  EXPECT_FALSE(Reader::model_of(path.str()));
+  for (const char* const text :
+       {"", "text", "long enough to be a header, but a text all the same"}) {
+    save_file(path.str(), to_bytes(text));
+    EXPECT_FALSE(Reader::model_of(path.str())) << text;
+  }
+}
+
 TEST(store, keeps_the_metadata_set_last) {
   const TestPath path("metadata.lode");
   auto writer = Writer::create(path.str(), "m", to_bytes("early"));

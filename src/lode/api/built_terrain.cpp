@@ -34,8 +34,8 @@ Result<void> check_levels(const std::vector<double>& levels) {
 
 /// Nothing where the file is of none, or cannot be read.
 std::optional<TerrainModel> model_in(const std::string& path) {
-  const auto reader = store::Reader::open(path);
-  return reader ? built_model_of(reader->model()) : std::nullopt;
+  const auto name = store::Reader::model_of(path);
+  return name ? built_model_of(*name) : std::nullopt;
 }
 
 }  // namespace

@@ -165,9 +165,8 @@ Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuild
 }
 
 bool TetraDataset::is_model_of(const std::string& path) {
-  const auto reader = store::Reader::open(path);
-  return reader && (reader->model() == tetra_mt::kModelName ||
-                    reader->model() == tetra_mt::midpoint::kModelName);
+  const auto name = store::Reader::model_of(path);
+  return name && (*name == tetra_mt::kModelName || *name == tetra_mt::midpoint::kModelName);
 }
 
 Result<TetraDataset> TetraDataset::open(const std::string& path) try {

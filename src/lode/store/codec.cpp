@@ -87,6 +87,17 @@ void unshuffle(const std::byte* planes, std::size_t n, std::byte* elements) {
   }
 }
 
+Result<void> check_frame(std::span<const std::byte> stored, std::uint64_t raw_size) {
+  // The magic number first: old zstd formats are none of ours.
+  if (stored.size() < 4 || load_element<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER)
+    return fail("expected a zstd frame, got {} other bytes", stored.size());
+  const unsigned long long content = ZSTD_getFrameContentSize(stored.data(), stored.size());
+  if (content != raw_size)
+    return fail("expected a zstd frame of {} bytes, got one that says {}", raw_size,
+                static_cast<long long>(content));
+  return {};
+}
+
 /// The bytes that zstd sees. Those after the last whole element stay as they are.
 std::vector<std::byte> filter(Codec codec, std::span<const std::byte> raw,
                               std::size_t element_size) {
@@ -259,19 +270,31 @@ std::vector<std::byte> zstd_compress(std::span<const std::byte> raw) {
 }
 
 Result<void> zstd_decompress(std::span<const std::byte> stored, std::span<std::byte> out) {
-  // The magic number first: old zstd formats are none of ours.
-  if (stored.size() < 4 || load_element<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER)
-    return fail("expected a zstd frame, got {} other bytes", stored.size());
-  const unsigned long long content = ZSTD_getFrameContentSize(stored.data(), stored.size());
-  if (content != out.size())
-    return fail("expected a zstd frame of {} bytes, got one that says {}", out.size(),
-                static_cast<long long>(content));
+  LODE_CHECK(check_frame(stored, out.size()));
   const std::size_t size = ZSTD_decompressDCtx(thread_decompressor(), out.data(), out.size(),
                                                stored.data(), stored.size());
   if (ZSTD_isError(size) != 0)
     return fail("expected a valid zstd frame, got: {}", ZSTD_getErrorName(size));
   if (size != out.size()) return fail("expected {} decoded bytes, got {}", out.size(), size);
   return {};
+}
+
+Result<std::size_t> zstd_decompress_start(std::span<const std::byte> stored, std::uint64_t raw_size,
+                                          std::span<std::byte> out) {
+  LODE_CHECK(check_frame(stored, raw_size));
+  // Of its own, as it keeps a window as large as raw_size, or what the frame says.
+  const std::unique_ptr<ZSTD_DCtx, ContextDeleter> context(ZSTD_createDCtx());
+  if (!context) throw std::bad_alloc();
+  ZSTD_inBuffer in{stored.data(), stored.size(), 0};
+  ZSTD_outBuffer start{out.data(), out.size(), 0};
+  while (start.pos < start.size) {
+    const std::size_t n_before = in.pos + start.pos;
+    const std::size_t status = ZSTD_decompressStream(context.get(), &start, &in);
+    if (ZSTD_isError(status) != 0)
+      return fail("expected a valid zstd frame, got: {}", ZSTD_getErrorName(status));
+    if (status == 0 || in.pos + start.pos == n_before) break;
+  }
+  return start.pos;
 }
 
 EncodedBlock encode_block_as(Codec codec, const BlockElements& block) {

@@ -47,5 +47,10 @@ struct EncodedBlock {
 [[nodiscard]] std::vector<std::byte> zstd_compress(std::span<const std::byte> raw);
 [[nodiscard]] Result<void> zstd_decompress(std::span<const std::byte> stored,
                                            std::span<std::byte> out);
+/// The first bytes that a frame of `raw_size` decodes to, of its first stored ones: how many of
+/// `out` these give, which may be none. Nothing checks them.
+[[nodiscard]] Result<std::size_t> zstd_decompress_start(std::span<const std::byte> stored,
+                                                        std::uint64_t raw_size,
+                                                        std::span<std::byte> out);
 
 }  // namespace lode::store

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <utility>
 
+#include "lode/store/bytes.h"
 #include "lode/store/checksum.h"
 #include "lode/store/codec.h"
 #include "lode/store/index_scan.h"
@@ -130,7 +131,7 @@ Result<Header> Reader::load_header() const {
   return decode_header(start, is_any ? said : size, path_);
 }
 
-Result<std::vector<std::byte>> Reader::load_directory(const Header& header) const {
+Result<void> Reader::check_directory_size(const Header& header) const {
   const std::uint64_t stored_size = header.directory_stored_size;
   const std::uint64_t raw_size = header.directory_raw_size;
   if (raw_size > memory_limit_ || stored_size > memory_limit_)
@@ -138,13 +139,18 @@ Result<std::vector<std::byte>> Reader::load_directory(const Header& header) cons
                 path_, memory_limit_, raw_size, stored_size);
   if (raw_size / kMaxZstdRatio > stored_size)
     return fail("{}: directory: {} stored bytes cannot decode to {}", path_, stored_size, raw_size);
-  std::vector<std::byte> stored(static_cast<std::size_t>(stored_size));
+  return {};
+}
+
+Result<std::vector<std::byte>> Reader::load_directory(const Header& header) const {
+  LODE_CHECK(check_directory_size(header));
+  std::vector<std::byte> stored(static_cast<std::size_t>(header.directory_stored_size));
   LODE_CHECK(read_at(header.directory_offset, stored));
   const std::uint64_t sum = checksum(stored);
   if (sum != header.directory_checksum)
     return fail("{}: directory at offset {} is damaged: expected checksum {:016x}, got {:016x}",
                 path_, header.directory_offset, header.directory_checksum, sum);
-  std::vector<std::byte> raw(static_cast<std::size_t>(raw_size));
+  std::vector<std::byte> raw(static_cast<std::size_t>(header.directory_raw_size));
   if (const auto decoded = zstd_decompress(stored, raw); !decoded)
     return fail("{}: directory at offset {}: {}", path_, header.directory_offset,
                 decoded.error().message);
@@ -193,11 +199,42 @@ Result<void> Reader::rebuild_directory(std::uint64_t memory_limit, const Error& 
   return {};
 }
 
-Result<Reader> Reader::open(std::string path, const ReaderOptions& options) {
+Result<Reader> Reader::begin(std::string path) {
   // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return system_error(path, "open");
-  Reader reader(std::move(path), descriptor);
+  return Reader(std::move(path), descriptor);
+}
+
+Result<std::string> Reader::model_of(std::string path) {
+  constexpr std::size_t kLongestName = 256;
+  constexpr std::size_t kFirstLook = 4096;
+  LODE_TRY(Reader reader, begin(std::move(path)));
+  LODE_TRY(reader.header_, reader.load_header());
+  const Header& header = reader.header_;
+  reader.memory_limit_ = limit_of(0, header.file_size);
+  LODE_CHECK(reader.check_directory_size(header));
+  std::vector<std::byte> stored;
+  std::array<std::byte, sizeof(std::uint32_t) + kLongestName> start{};
+  while (stored.size() < header.directory_stored_size) {
+    const std::size_t n_before = stored.size();
+    const std::uint64_t wanted = n_before == 0 ? kFirstLook : 4 * std::uint64_t{n_before};
+    stored.resize(static_cast<std::size_t>(std::min(wanted, header.directory_stored_size)));
+    LODE_CHECK(
+        reader.read_at(header.directory_offset + n_before, std::span(stored).subspan(n_before)));
+    const auto decoded = zstd_decompress_start(stored, header.directory_raw_size, start);
+    if (!decoded)
+      return fail("{}: directory at offset {}: {}", reader.path_, header.directory_offset,
+                  decoded.error().message);
+    ByteReader directory(std::span<const std::byte>(start).first(*decoded), reader.path_);
+    if (auto name = directory.read_string()) return name;
+  }
+  return fail("{}: directory at offset {}: expected the name of a model of at most {} bytes",
+              reader.path_, header.directory_offset, kLongestName);
+}
+
+Result<Reader> Reader::open(std::string path, const ReaderOptions& options) {
+  LODE_TRY(Reader reader, begin(std::move(path)));
   reader.length_ = options.length;
   if (const auto read = reader.read_directory(options.memory_limit); !read) {
     if (options.length == Length::as_said) return read.error();

@@ -43,6 +43,10 @@ class Reader {
   /// program knows; with Length::any also on one without a directory, but with an index.
   [[nodiscard]] static Result<Reader> open(std::string path, const ReaderOptions& options = {});
 
+  /// The name of the model that a file holds, of its header and as much of its directory as that
+  /// takes, some kilobytes: what follows may be damaged, which open() says. Fails likewise.
+  [[nodiscard]] static Result<std::string> model_of(std::string path);
+
   Reader(Reader&& other) noexcept;
   Reader& operator=(Reader&& other) noexcept;
   ~Reader();
@@ -79,9 +83,11 @@ class Reader {
 
  private:
   Reader(std::string path, int descriptor);
+  [[nodiscard]] static Result<Reader> begin(std::string path);
   [[nodiscard]] Result<std::uint64_t> size_on_disk() const;
   [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out) const;
   [[nodiscard]] Result<Header> load_header() const;
+  [[nodiscard]] Result<void> check_directory_size(const Header& header) const;
   [[nodiscard]] Result<std::vector<std::byte>> load_directory(const Header& header) const;
   [[nodiscard]] Result<std::vector<std::byte>> find_directory();
   [[nodiscard]] Result<void> read_directory(std::uint64_t memory_limit);

@@ -192,8 +192,8 @@ class PageSource {
 }  // namespace
 
 bool is_model_of(const std::string& path) {
-  const auto reader = store::Reader::open(path);
-  return reader && reader->model() == kModelName;
+  const auto name = store::Reader::model_of(path);
+  return name && *name == kModelName;
 }
 
 Result<OpenedHierarchy> open(const std::string& path) {
