@@ -3,23 +3,22 @@
 #include <functional>
 
 #include "outputs.h"
-#include "parse.h"
 #include "stopwatch.h"
 #include "terrain_facts.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
 
 /// From coarse to fine, whatever their order; none: the default ones.
-Result<std::vector<double>> to_levels(const std::string& text) {
-  if (text.empty()) return std::vector<double>();
-  LODE_TRY(std::vector<double> levels, parse_numbers("--levels", text));
-  std::ranges::sort(levels, std::greater());
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (levels[i] < 0) return fail("--levels: expected numbers >= 0, got '{}'", text);
-    if (i > 0 && levels[i] == levels[i - 1])
-      return fail("--levels: expected different numbers, got {} twice", levels[i]);
-  }
+Result<ToleranceList> to_levels(const std::string& text) {
+  if (text.empty()) return ToleranceList();
+  LODE_TRY(ToleranceList levels, parse_tolerances("--levels", text));
+  std::ranges::sort(levels.values, std::greater());
+  const auto twice = std::ranges::adjacent_find(levels.values);
+  if (twice != levels.values.end())
+    return fail("--levels: expected different tolerances, got the {} {} twice",
+                levels.are_shares ? "share" : "number", *twice);
   return levels;
 }
 
@@ -35,7 +34,9 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
   LODE_CHECK(check_model_of_points(job.input, terrain));
   LODE_TRY(const auto asked, to_build_options(terrain, {}));
   TerrainBuildOptions options = asked.value();
-  LODE_TRY(options.levels, to_levels(job.levels));
+  LODE_TRY(ToleranceList levels, to_levels(job.levels));
+  options.levels = std::move(levels.values);
+  options.levels_are_shares = levels.are_shares;
   if (!options.levels.empty() && options.model == TerrainModel::implicit_delaunay_pyramid)
     return fail("--levels: expected none with --model {}, which finds its own", terrain.model);
   return options;

@@ -210,8 +210,9 @@ Command add_build_command(CLI::App& program) {
                 "Of a mesh: errors hold at all points (default: at its own vertices alone); takes "
                 "a few times as long");
   app->add_option("--levels", arguments->levels,
-                  "Of terrain: tolerances of the levels, in units of the heights; the "
-                  "finest is what questions may ask for (default: a 2000th of the range, doubled "
+                  "Of terrain: tolerances of the levels, in units of the heights, or all with % of "
+                  "their range; the finest is what questions may ask for (default: a 2000th of the "
+                  "range, doubled "
                   "as long as that is below it)")
       ->type_name("E,E,...");
   add_reading_options(*app, arguments->reading);

@@ -7,6 +7,7 @@
 #include "parse.h"
 #include "terrain_facts.h"
 #include "terrain_input.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -26,10 +27,8 @@ struct CompareArguments {
 
 Result<ComparisonOptions> to_options(const CompareArguments& arguments) {
   ComparisonOptions options;
-  LODE_TRY(options.tolerances, parse_numbers("--tolerances", arguments.tolerances));
-  for (const double tolerance : options.tolerances)
-    if (!(tolerance >= 0))
-      return fail("--tolerances: expected numbers >= 0, got '{}'", arguments.tolerances);
+  LODE_TRY(ToleranceList tolerances, parse_tolerances("--tolerances", arguments.tolerances));
+  options.tolerances = std::move(tolerances.values);
   LODE_TRY(const auto runs, parse_integer("--runs", arguments.runs, 1, kMostRuns));
   options.n_runs = static_cast<int>(runs);
   LODE_TRY(const auto seed, parse_integer("--seed", arguments.seed, 0, INT64_MAX));
@@ -76,6 +75,9 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   LODE_CHECK(check_writable(arguments.output));
   LODE_TRY(const HeightRaster raster, read_heights(arguments.input, reading, session.progress()));
   warn_of_vertical(raster.vertical, arguments.input, session);
+  const HeightRange range = height_range(raster.grid);
+  if (is_share(arguments.tolerances))
+    for (double& tolerance : options.tolerances) tolerance *= range.upper - range.lower;
   auto comparison = compare_terrain(raster.grid, options, session.progress());
   if (!comparison) {
     if (session.progress().is_cancelled()) return comparison.error();
@@ -120,7 +122,8 @@ Command add_compare_command(CLI::App& program) {
       ->type_name("DEM")
       ->required();
   app->add_option("report", arguments->output, "Page to write")->type_name("OUT.html")->required();
-  app->add_option("--tolerances", arguments->tolerances, "Vertical errors, in units of the heights")
+  app->add_option("--tolerances", arguments->tolerances,
+                  "Vertical errors, in units of the heights, or all with % of their range")
       ->type_name("A,B,...")
       ->required();
   app->add_option("--runs", arguments->runs, "Of what takes time; the median counts (default: 3)")

@@ -15,6 +15,7 @@
 #include "terrain_clip.h"
 #include "terrain_facts.h"
 #include "terrain_query.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -183,12 +184,27 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
 struct Wanted {
   TerrainOptions options;
   std::optional<TerrainBuildOptions> building;  ///< Of a raster.
+  bool has_shares = false;  ///< Tolerances are of the range of heights, until it is known.
 };
+
+/// Levels are built for both.
+Result<bool> has_shares(const TerrainJob& job, const TerrainOptions& options) {
+  const std::string& outside = job.query.max_error_outside;
+  const bool is_mixed =
+      !job.max_error.empty() && !outside.empty() && is_share(job.max_error) != is_share(outside);
+  const bool has_zero =
+      options.max_error == 0.0 || (options.focus && options.focus->max_error_outside == 0.0);
+  if (is_mixed && !has_zero)
+    return fail("--max-error-outside: expected % of the range as in --max-error, or none, got '{}'",
+                outside);
+  return is_share(job.max_error) || is_share(outside);
+}
 
 Result<Wanted> to_wanted(const TerrainJob& job) {
   Wanted wanted;
   LODE_TRY(wanted.options, to_terrain_options(job.max_error, job.query.max_cells, job.terrain));
   LODE_TRY(wanted.options.focus, to_terrain_focus(job.query, job.focus, job.max_error));
+  LODE_TRY(wanted.has_shares, has_shares(job, wanted.options));
   // Nothing finer is asked for; a number of triangles may take all samples.
   std::optional<double> finest = wanted.options.max_error;
   if (!finest && wanted.options.max_cells) finest = 0;
@@ -400,8 +416,14 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
   if (!job.raster.difference.empty()) LODE_CHECK(check_writable(job.raster.difference));
   const Stopwatch read_watch;
-  LODE_TRY(const OpenedTerrain opened, open_terrain(job.input, job.terrain, job.reading,
-                                                    wanted.building, options.max_error, session));
+  LODE_TRY(const OpenedTerrain opened,
+           open_terrain(
+               job.input, job.terrain, job.reading, wanted.building, options.max_error, session,
+               {.has_shares = wanted.has_shares}));
+  const HeightRange range = opened.terrain.range();
+  set_share(job.max_error, range, options.max_error);
+  if (options.focus)
+    set_share(job.query.max_error_outside, range, options.focus->max_error_outside);
   if (has_view) LODE_CHECK(check_upwards(opened.facts.frame, job.input));
   if (options.focus) {
     LODE_TRY(options.focus->metric,

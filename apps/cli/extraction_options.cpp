@@ -43,8 +43,8 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
       ->group(group);
   app.add_option(
          "--max-error", arguments.max_error,
-         "Tolerance in field units (terrain: of its heights), or, not of terrain, with % of "
-         "the range of values; 0 is full resolution (default: 0.5%)")
+         "Tolerance in field units (terrain: of its heights), or with % of the range of values; 0 "
+         "is full resolution (default: 0.5%)")
       ->type_name("E")
       ->group(group);
   app.add_option("--style", arguments.style,

@@ -151,9 +151,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "Tolerance in pixels of the view, by an estimate of distances; of terrain a bound, of "
       "vertical errors");
   add("--max-error-outside", arguments.max_error_outside, "E",
-      "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of a mesh "
-      "of "
-      "cells also with % (default: any)");
+      "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of terrain "
+      "and of a mesh of cells also with % (default: any)");
   add("--max-cells", arguments.max_cells, "N",
       "At most N simplices, before cells are cut by --clip or where the data end; of a volume's "
       "--mesh N cells as they are written; without --max-error, as accurate as they allow");

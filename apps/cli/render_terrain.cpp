@@ -8,6 +8,7 @@
 #include "terrain_facts.h"
 #include "terrain_focus_options.h"
 #include "terrain_query.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -177,7 +178,9 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   const Stopwatch watch;
   LODE_TRY(const OpenedTerrain opened, open_terrain(job.input, job.picture.terrain, job.reading,
-                                                    building, options.terrain.max_error, session));
+                                                    building, options.terrain.max_error, session,
+                                                    {.has_shares = is_share(job.max_error)}));
+  set_share(job.max_error, opened.terrain.range(), options.terrain.max_error);
   LODE_CHECK(check_upwards(opened.facts.frame, job.input));
   LODE_TRY(const HorizontalMetric metric,
            naming(job.input, read_metric(opened.facts.frame.crs), session));

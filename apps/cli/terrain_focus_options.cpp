@@ -5,6 +5,7 @@
 
 #include "parse.h"
 #include "render_tetra.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -95,10 +96,8 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
   LODE_CHECK(add_point(arguments, focus));
   LODE_CHECK(add_view(query, arguments, max_error, focus));
   if (!query.max_error_outside.empty()) {
-    LODE_TRY(const double outside, parse_number("--max-error-outside", query.max_error_outside));
-    if (outside < 0)
-      return fail("--max-error-outside: expected a number >= 0, got '{}'", query.max_error_outside);
-    focus.max_error_outside = outside;
+    LODE_TRY(focus.max_error_outside,
+             parse_tolerance_or_share("--max-error-outside", query.max_error_outside));
   }
   if (!focus.is_empty()) return std::optional(std::move(focus));
   if (focus.max_error_outside)

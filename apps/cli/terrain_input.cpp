@@ -8,6 +8,7 @@
 #include "parse.h"
 #include "place_file.h"
 #include "point_facts.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -159,11 +160,13 @@ Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
 
 Result<std::optional<double>> to_max_error(const std::string& text) {
   if (text.empty()) return std::optional<double>();
-  if (text.ends_with('%'))
-    return fail("--max-error: expected units of the heights with terrain, got '{}'", text);
-  LODE_TRY(const double max_error, parse_number("--max-error", text));
-  if (max_error < 0) return fail("--max-error: expected a number >= 0, got '{}'", text);
+  LODE_TRY(const double max_error, parse_tolerance_or_share("--max-error", text));
   return std::optional<double>(max_error);
+}
+
+void set_share(const std::string& text, const HeightRange& range,
+               std::optional<double>& tolerance) {
+  if (tolerance && is_share(text)) *tolerance *= range.upper - range.lower;
 }
 
 Result<void> check_terrain_reading(const std::string& path, const TerrainArguments& arguments,
@@ -205,14 +208,17 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
   options.keeps_samples = question.keeps_samples;
   options.is_closed = question.is_closed;
   options.way = question.way;
-  if (max_error && !options.drape_error) options.drape_error = *max_error / 2;
+  if (max_error && !options.drape_error)
+    (question.has_shares ? options.drape_share : options.drape_error) = *max_error / 2;
   if (is_polygon_path(arguments.outline)) {
     options.outline = arguments.outline;
   } else if (!arguments.outline.empty()) {
     LODE_TRY(std::vector<Place> corners, read_places(arguments.outline));
     options.domain.outline = {PlacePolygon{std::move(corners)}};
   }
-  LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, building, session.progress()));
+  std::optional<TerrainBuildOptions> wanted = building;
+  if (wanted && question.has_shares) wanted->levels_are_shares = true;
+  LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, wanted, session.progress()));
   if (opened.facts.points)
     warn_of_points(*opened.facts.points, path, options.domain.repeated, session);
   warn_of_vertical(opened.facts.vertical, path, session);

@@ -26,10 +26,12 @@ struct TerrainQuestion {
   bool keeps_samples = false;
   bool is_closed = false;
   std::optional<std::array<double, 2>> way{};
+  bool has_shares = false;  ///< max_error, and levels that are built, are of the range of heights.
 };
 
 /// Reads a terrain, or builds what `building` says, and warns of what became of its points and
-/// lines. `max_error`: that will be asked for; draped lines keep half of it.
+/// lines. `max_error`: that will be asked for; draped lines keep half of it. Of shares see
+/// TerrainQuestion.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(
     const std::string& path, const TerrainArguments& arguments, const ReadingArguments& reading,
     const std::optional<TerrainBuildOptions>& building, const std::optional<double>& max_error,
@@ -64,8 +66,10 @@ struct TerrainQuestion {
 /// without it the default ones.
 void choose_levels(const std::optional<double>& finest, TerrainBuildOptions& building);
 
-/// A number >= 0, or nothing where none was given.
+/// A number >= 0, or nothing where none was given; with % the share of the range of heights.
 [[nodiscard]] Result<std::optional<double>> to_max_error(const std::string& text);
+/// Of a tolerance that was typed as a share what it is in a terrain's heights; others stay.
+void set_share(const std::string& text, const HeightRange& range, std::optional<double>& tolerance);
 
 /// Says where heights were taken otherwise than their file says, and what was done to them.
 void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session);

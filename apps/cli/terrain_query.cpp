@@ -7,6 +7,7 @@
 #include "parse.h"
 #include "stopwatch.h"
 #include "terrain_facts.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -35,8 +36,8 @@ void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, Terrain
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
   add_terrain_source(app, arguments, TerrainUse::extraction);
   app.add_option("--max-error", arguments.max_error,
-                 "Tolerance of the TIN in units of the heights (default: 0.5 % of their range; 0: "
-                 "full resolution)")
+                 "Tolerance of the TIN in units of the heights, or with % of their range (default: "
+                 "0.5%; 0: full resolution)")
       ->type_name("E");
 }
 
@@ -70,7 +71,9 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
                         options.max_error, session,
                         {.keeps_samples = arguments.is_everywhere || arguments.may_be_everywhere,
                          .is_closed = arguments.is_closed,
-                         .way = arguments.way}));
+                         .way = arguments.way,
+                         .has_shares = is_share(arguments.max_error)}));
+  set_share(arguments.max_error, opened.terrain.range(), options.max_error);
   if (arguments.is_everywhere && !opened.samples)
     return fail(
         "{}: expected a raster without lines, or a model that has all heights at hand (the "

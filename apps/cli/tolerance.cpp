@@ -1,5 +1,6 @@
 #include "tolerance.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "parse.h"
@@ -23,6 +24,31 @@ Result<double> parse_tolerance(std::string_view option, const std::string& text)
     return fail("{}: expected a number >= 0, or one with % of the range of values, got '{}'",
                 option, text);
   return percent ? std::numeric_limits<double>::quiet_NaN() : *number;
+}
+
+bool is_share(const std::string& text) { return text.ends_with('%'); }
+
+Result<double> parse_tolerance_or_share(std::string_view option, const std::string& text) {
+  LODE_TRY(const double tolerance, parse_tolerance(option, text));
+  const std::optional<double> percent = percent_of(text);
+  return percent ? *percent / 100 : tolerance;
+}
+
+Result<ToleranceList> parse_tolerances(std::string_view option, const std::string& text) {
+  ToleranceList list;
+  std::size_t n_shares = 0;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string one = text.substr(begin, end - begin);
+    LODE_TRY(const double tolerance, parse_tolerance_or_share(option, one));
+    list.values.push_back(tolerance);
+    n_shares += is_share(one) ? 1 : 0;
+    begin = end + 1;
+  }
+  if (n_shares > 0 && n_shares < list.values.size())
+    return fail("{}: expected all tolerances with % or none, got '{}'", option, text);
+  list.are_shares = n_shares > 0;
+  return list;
 }
 
 void set_share(const std::string& text, double low, double high, double& tolerance) {

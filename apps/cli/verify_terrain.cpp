@@ -1,6 +1,7 @@
 #include "verify_terrain.h"
 
 #include "terrain_query.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -86,15 +87,18 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
 }
 
 /// Of scattered points, or with lines.
-Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error,
+Result<VerifyReport> verify_points(const TerrainVerifyJob& job, std::optional<double> max_error,
                                    Session& session) {
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.terrain, job.reading, {}, max_error, session));
+           open_terrain(job.input, job.terrain, job.reading, {}, max_error, session,
+                        {.has_shares = is_share(job.max_error)}));
+  set_share(job.max_error, opened.terrain.range(), max_error);
   LODE_TRY(const Surface surface, read_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain));
-  return verify_terrain(*opened.points, surface,
-                        {.max_error = max_error, .shape = shape, .threads = session.threads()},
-                        session.progress());
+  return verify_terrain(
+      *opened.points, surface,
+      {.max_error = max_error.value_or(0), .shape = shape, .threads = session.threads()},
+      session.progress());
 }
 
 }  // namespace
@@ -124,10 +128,11 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
 
 Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& session) {
   if (holds_terrain_model(job.input)) return verify_model(job, session);
-  LODE_TRY(const std::optional<double> max_error, to_max_error(job.max_error));
+  LODE_TRY(std::optional<double> max_error, to_max_error(job.max_error));
   if (is_point_path(job.input) || job.terrain.has_lines())
-    return verify_points(job, max_error.value_or(0), session);
+    return verify_points(job, max_error, session);
   LODE_TRY(const OpenedTerrain raster, open_raster(job.input, job, session));
+  set_share(job.max_error, raster.terrain.range(), max_error);
   LODE_TRY(const Surface surface, read_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain));
   return verify_terrain(*raster.grid, surface,

@@ -1,7 +1,9 @@
 // Tolerances as shares of the range of a field's values: --max-error 2%.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/cli/ball_fixture.h"
+#include "tests/cli/dem_fixture.h"
 #include "tests/cli/tetra_fixture.h"
 
 namespace lode::test {
@@ -58,11 +60,106 @@ TEST_F(cli_share, is_a_number_with_one_sign) {
                    {"--max-error"});
 }
 
-TEST_F(cli_share, is_of_values_and_not_of_heights) {
-  write_bytes(file("dem.asc"),
-              "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
-  expect_refusal(run_lode({"extract", file("dem.asc"), file("t.ply"), "--max-error", "1%"}), 2,
-                 {"--max-error", "units of the heights"});
+/// Of heights from 604 to 1197, in all models, built or not.
+class TerrainShare : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_dem(dem_);
+    const auto info = run_lode({"info", dem_, "--json"}).json();
+    height_ = info.at("range").at(1).get<double>() - info.at("range").at(0).get<double>();
+    ASSERT_GT(height_, 500);
+  }
+  [[nodiscard]] std::string file(const std::string& name) const { return scratch_ / name; }
+
+  Scratch scratch_;
+  std::string dem_ = scratch_ / "dem.asc";
+  double height_ = 0;
+};
+using terrain_share = TerrainShare;
+
+TEST_F(terrain_share, of_the_range_of_heights_is_what_all_its_commands_take) {
+  write_bytes(file("points.xyz"), "0 0 1\n9 0 2\n9 7 3\n0 7 4\n4 4 11\n");
+  EXPECT_DOUBLE_EQ(
+      max_error_of({"extract", file("points.xyz"), file("p.ply"), "--max-error", "10%"}), 1);
+  ASSERT_EQ(run_lode({"build", dem_, file("dem.lode"), "--levels", "2%"}).exit_code, 0);
+  const std::string lode = file("dem.lode");
+  for (const std::string& input : {dem_, lode})
+    for (const Words& words :
+         {Words{"extract", input, file("t.ply")},
+          {"extract", input, file("t.tif")},
+          {"contours", input, file("c.vtp"), "--interval", "100"},
+          {"height", input, "--at", "500100,4000100"},
+          {"profile", input, "--from", "500100,4000100", "--to", "500500,4000500"},
+          {"render", input, file("p.png"), "--size", "40x30"}}) {
+      Words all = words;
+      all.insert(all.end(), {"--max-error", "2%"});
+      EXPECT_DOUBLE_EQ(max_error_of(all), 0.02 * height_) << words[0] << " " << input;
+    }
+}
+
+TEST_F(terrain_share, builds_any_model_for_what_is_asked_of_it) {
+  const std::string number = fmt::format("{}", 2.0 / 100 * height_);
+  for (const char* model : {"delaunay_selector", "delaunay_pyramid", "ternary_triangulation",
+                            "implicit_delaunay_pyramid", "surface_quadtree", "restricted_quadtree",
+                            "quaternary_triangulation", "right_triangle_bisection",
+                            "adaptive_triangulation", "hierarchical_delaunay"}) {
+    for (const char* name : {"share.ply", "number.ply"}) {
+      const Finished run = run_lode({"extract", dem_, file(name), "--model", model, "--max-error",
+                                     name[0] == 's' ? "2%" : number});
+      ASSERT_EQ(run.exit_code, 0) << model << " " << run.err;
+    }
+    EXPECT_EQ(read_bytes(file("share.ply")), read_bytes(file("number.ply"))) << model;
+  }
+  const auto verify = [&](const char* share) {
+    return run_lode({"verify", dem_, "--surface", file("s.ply"), "--max-error", share}).exit_code;
+  };
+  ASSERT_EQ(run_lode({"extract", dem_, file("s.ply"), "--max-error", "2%"}).exit_code, 0);
+  EXPECT_EQ(verify("2%"), 0);
+  EXPECT_EQ(verify("0.5%"), 1);
+}
+
+TEST_F(terrain_share, of_lists_and_foci_is_the_same) {
+  const auto built =
+      run_lode({"build", dem_, file("dem.lode"), "--levels", "1%,10%,5%", "--json"}).json();
+  std::vector<double> levels;
+  for (const auto& level : built.at("levels")) levels.push_back(level.at("tolerance"));
+  EXPECT_EQ(levels, (std::vector{0.1 * height_, 0.05 * height_, 0.01 * height_}));
+  const Words box{"extract",
+                  file("dem.lode"),
+                  file("b.ply"),
+                  "--box",
+                  "500300,500400,4000300,4000400",
+                  "--max-error",
+                  "1%"};
+  const auto count = [&](const std::string& outside) {
+    Words words = box;
+    words.insert(words.end(), {"--max-error-outside", outside, "--json"});
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json().at("triangles").get<std::uint64_t>();
+  };
+  EXPECT_LT(count("10%"), count("2%"));
+  Words mixed = box;
+  mixed.insert(mixed.end(), {"--max-error-outside", "5"});
+  expect_refusal(run_lode(mixed), 2, {"--max-error-outside", "%"});
+  const Finished compared = run_lode(
+      {"compare", dem_, file("c.html"), "--tolerances", "10%,5%", "--runs", "1", "--json"});
+  ASSERT_EQ(compared.exit_code, 0) << compared.err;
+  EXPECT_DOUBLE_EQ(
+      compared.json().at("models").at(0).at("meshes").at(1).at("tolerance").get<double>(),
+      0.05 * height_);
+  for (const char* text : {"5%,3", "5%,", "-5%", "5%,5%"})
+    expect_refusal(run_lode({"build", dem_, file("no.lode"), "--levels", text}), 2, {"--levels"});
+}
+
+/// Of a plain there is no share but 0.
+TEST_F(terrain_share, of_no_range_is_nothing) {
+  write_bytes(file("flat.asc"),
+              "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n5 5 5\n5 5 5\n5 5 5\n");
+  ASSERT_EQ(run_lode({"build", file("flat.asc"), file("flat.lode"), "--levels", "9%,1%"}).exit_code,
+            0);
+  for (const char* name : {"flat.asc", "flat.lode"})
+    EXPECT_EQ(max_error_of({"extract", file(name), file("f.ply"), "--max-error", "1%"}), 0);
 }
 
 using cli_tetra_share = cli_tetra;

@@ -32,6 +32,17 @@ Result<void> check_levels(const std::vector<double>& levels) {
   return {};
 }
 
+/// In units of the heights; of shares of no range 0 alone.
+std::vector<double> levels_of(const TerrainBuildOptions& options, const HeightRange& range) {
+  if (options.levels.empty()) return default_levels(range);
+  if (!options.levels_are_shares) return options.levels;
+  const double height = range.upper - range.lower;
+  if (!(height > 0)) return {0};
+  std::vector<double> levels;
+  for (const double share : options.levels) levels.push_back(share * height);
+  return levels;
+}
+
 /// Nothing where the file is of none, or cannot be read.
 std::optional<TerrainModel> model_in(const std::string& path) {
   const auto name = store::Reader::model_of(path);
@@ -63,7 +74,7 @@ Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBu
   LODE_EXPECTS(!options.lined || is_hierarchy(options.model));
   const HeightRange range = height_range(grid);
   LODE_CHECK(delaunay::check_heights(range));
-  std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;
+  std::vector<double> levels = levels_of(options, range);
   if (is_quadtree(options.model)) {
     LODE_TRY(auto made, QuadtreeTerrain::build(grid, options, std::move(levels), progress));
     return BuiltTerrain(std::make_shared<const QuadtreeTerrain>(std::move(made)));
@@ -92,7 +103,7 @@ Result<BuiltTerrain> BuiltTerrain::build(const PointTerrain& terrain,
   LODE_CHECK(check_levels(options.levels));
   LODE_EXPECTS(is_of_any_points(options.model) && options.kept.empty());
   const HeightRange range = height_range(terrain.points);
-  std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;
+  std::vector<double> levels = levels_of(options, range);
   LODE_TRY(auto history, build_insertions(terrain, options.model, levels.back(), progress));
   history.sample_type = options.sample_type;
   history.has_place = options.has_place;

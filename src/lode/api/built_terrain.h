@@ -24,7 +24,8 @@ struct TerrainBuildOptions {
   /// default_levels(). Of an implicit pyramid, which has all samples and its own levels, they mean
   /// nothing.
   std::vector<double> levels;
-  std::string sample_type{};  ///< As HeightRaster has them, to be remembered.
+  bool levels_are_shares = false;  ///< Of the range of heights, in place of their units.
+  std::string sample_type{};       ///< As HeightRaster has them, to be remembered.
   bool has_place = true;
   /// Samples that every mesh has as vertices: different nodes in cells with four heights, in rows.
   /// Of models on squares.

@@ -88,8 +88,9 @@ Result<TerrainLineOptions> read_line_options(const TerrainReadOptions& options,
   lines.least_relief = options.least_relief;
   if (options.keeps_features && !lines.least_relief) lines.least_relief = default_relief(range);
   lines.is_draped = options.is_draped;
+  const double share = options.drape_share.value_or(kDefaultShare);
   lines.drape_error =
-      options.drape_error.value_or(std::max(0.0, kDefaultShare * (range.upper - range.lower)));
+      options.drape_error.value_or(std::max(0.0, share * (range.upper - range.lower)));
   if (options.breaklines.empty()) return lines;
   LODE_TRY(io::LineFile file, io::read_lines(options.breaklines, frame.crs));
   lines.breaklines = std::move(file.lines);

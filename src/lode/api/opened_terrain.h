@@ -61,9 +61,10 @@ struct TerrainReadOptions {
   bool keeps_features = false;  ///< Without a least relief: of 1 % of the range of heights.
   std::string breaklines{};  ///< A file of lines (io/line_file.h) that become edges; empty: none.
   bool is_draped = false;    ///< Whatever heights breaklines have.
-  /// Draped lines stay that near to the surface; without: a quarter percent of the range of
-  /// heights.
+  /// Draped lines stay that near to the surface; without it and drape_share: a quarter percent of
+  /// the range of heights.
   std::optional<double> drape_error{};
+  std::optional<double> drape_share{};  ///< The same as a share of the range of heights.
   /// Of a raster that a model is built of: its heights stay at hand (OpenedTerrain::samples).
   bool keeps_samples = false;
   /// A raster without lines that goes round the earth ends with its first column (cut_open_at()),
