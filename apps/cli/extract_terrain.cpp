@@ -268,11 +268,28 @@ Vec3d metres_of_axes(const TerrainJob& job, const OpenedTerrain& opened, Session
   return {{place->x_scale, place->y_scale, place->z_scale}};
 }
 
+/// What a model is of, where it is given and the model has not all heights itself.
+Result<void> read_samples(const TerrainJob& job, const OpenedTerrain& opened,
+                          TerrainRasterOptions& wanted, Session& session) {
+  const std::string& path = job.raster.against;
+  if (path.empty()) return {};
+  if (opened.samples) {
+    session.warn(fmt::format("--against: {} is not read: {} has all heights", path, job.input));
+    return {};
+  }
+  LODE_TRY(HeightRaster read, read_heights(path, {}, session.progress()));
+  const auto raster = std::make_shared<const HeightRaster>(std::move(read));
+  wanted.samples = {raster, &raster->grid};
+  wanted.samples_name = path;
+  return {};
+}
+
 Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                           const TerrainOptions& options, Session& session) {
   if (is_geotiff_path(job.output)) {
     LODE_TRY(TerrainRasterOptions wanted, to_raster_options(job.raster));
     wanted.threads = session.threads();
+    LODE_CHECK(read_samples(job, opened, wanted, session));
     wanted.comment = [&](const TerrainReport& report) {
       return summary_of(report, opened, options.order);
     };
@@ -378,7 +395,7 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
       app, job.input,
       {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
        "--view", "--view-size", "--max-error-px", "--exaggeration", "--max-error-outside", "--cell",
-       "--difference", "--clip"}));
+       "--difference", "--against", "--clip"}));
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   if (!is_geotiff_path(job.output)) LODE_CHECK(check_terrain_surface(job.output));
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
@@ -400,9 +417,10 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
   std::vector<std::string> outputs{job.output};
   if (!job.raster.difference.empty()) outputs.push_back(job.raster.difference);
-  return check_paths_differ(
-      job.query.view.empty() ? std::vector{job.input} : std::vector{job.input, job.query.view},
-      outputs);
+  std::vector<std::string> inputs{job.input};
+  for (const std::string* const path : {&job.query.view, &job.raster.against})
+    if (!path->empty()) inputs.push_back(*path);
+  return check_paths_differ(inputs, outputs);
 }
 
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
@@ -419,7 +437,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(const OpenedTerrain opened,
            open_terrain(
                job.input, job.terrain, job.reading, wanted.building, options.max_error, session,
-               {.has_shares = wanted.has_shares}));
+               {.keeps_samples = !job.raster.difference.empty(), .has_shares = wanted.has_shares}));
   const HeightRange range = opened.terrain.range();
   set_share(job.max_error, range, options.max_error);
   if (options.focus)

@@ -4,6 +4,7 @@
 
 #include "outputs.h"
 #include "parse.h"
+#include "terrain_arguments.h"
 
 namespace lode::cli {
 namespace {
@@ -33,14 +34,20 @@ void add_raster_options(CLI::App& app, RasterArguments& arguments) {
       ->type_name("SIZE")
       ->group(group);
   app.add_option("--difference", arguments.difference,
-                 "Also write what is written less the raster that was read, at every sample")
+                 "Also write what is written less the raster that it is of, at every sample")
       ->type_name("DIFF.tif")
+      ->group(group);
+  app.add_option("--against", arguments.against,
+                 "With --difference, of a .lode file of a model that has not all heights itself: "
+                 "the raster that it was built of")
+      ->type_name("DEM")
       ->group(group);
 }
 
 Result<void> check_no_raster(const RasterArguments& arguments, const std::string& path) {
   if (arguments.is_empty()) return {};
-  return fail("{}: expected {} with --cell or --difference, got another file", path, kTerrainFiles);
+  return fail("{}: expected {} with --cell, --difference or --against, got another file", path,
+              kTerrainFiles);
 }
 
 Result<void> check_raster_arguments(const RasterArguments& arguments, const std::string& input,
@@ -50,13 +57,19 @@ Result<void> check_raster_arguments(const RasterArguments& arguments, const std:
     return fail("{}: expected an output that ends in .tif with {}, got another", output,
                 arguments.cell.empty() ? "--difference" : "--cell");
   }
+  if (!arguments.against.empty() && (arguments.difference.empty() || !is_lode_path(input)))
+    return fail("--against: expected --difference with it, of a .lode file, got {}",
+                arguments.difference.empty() ? "none" : input);
+  if (!arguments.against.empty() && !is_height_path(arguments.against))
+    return fail("--against: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got '{}'",
+                arguments.against);
   LODE_TRY(const TerrainRasterOptions options, to_raster_options(arguments));
   if (is_point_path(input) && !options.cell)
     return fail("{}: expected --cell, the size of pixels, for a raster of points, got none", input);
   if (options.difference.empty()) return {};
   if (!is_geotiff_path(options.difference))
     return fail("--difference: expected a file that ends in .tif, got '{}'", options.difference);
-  if (options.cell || !is_height_path(input))
+  if (options.cell || is_point_path(input))
     return fail("--difference: expected a raster on its own grid, without --cell, got {}", input);
   return {};
 }

@@ -12,11 +12,14 @@ namespace lode::cli {
 struct RasterArguments {
   std::string cell;
   std::string difference;  ///< Another raster to write.
+  std::string against;     ///< The raster that a .lode file is of.
 
-  [[nodiscard]] bool is_empty() const { return cell.empty() && difference.empty(); }
+  [[nodiscard]] bool is_empty() const {
+    return cell.empty() && difference.empty() && against.empty();
+  }
 };
 
-/// --cell and --difference.
+/// --cell, --difference and --against.
 void add_raster_options(CLI::App& app, RasterArguments& arguments);
 
 /// Refuses them for other inputs.

@@ -56,6 +56,27 @@ Threads threads_for(std::size_t n_strip_samples, Threads threads) {
       static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(n_workers(threads))))};
 }
 
+/// The heights that a TIN is of, where they are at hand, or given; else null.
+const HeightGrid* samples_of(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
+  if (opened.grid) return opened.grid.get();
+  return opened.samples ? opened.samples.get() : wanted.samples.get();
+}
+
+/// Whether samples are at the same places, but for rounding.
+bool is_same_grid(const HeightFrame& a, const HeightFrame& b) {
+  if (a.n_columns != b.n_columns || a.n_rows != b.n_rows) return false;
+  constexpr double kMostOff = 1e-6;  // of a step
+  const double step =
+      std::min(std::hypot(a.to_world[1], a.to_world[4]), std::hypot(a.to_world[2], a.to_world[5]));
+  const double x = a.n_columns - 1;
+  const double y = a.n_rows - 1;
+  for (const auto& [column, row] : {std::pair{0.0, 0.0}, {x, 0.0}, {0.0, y}, {x, y}}) {
+    const Place off = a.world(column, row) - b.world(column, row);
+    if (!(std::hypot(off[0], off[1]) <= kMostOff * step)) return false;
+  }
+  return true;
+}
+
 /// The raster of a TIN on the grid whose samples it is of.
 class OwnGrid {
  public:
@@ -64,7 +85,8 @@ class OwnGrid {
       : opened_(opened),
         wanted_(wanted),
         raster_(selected.tin, opened.facts.frame.n_columns, opened.facts.frame.n_rows),
-        stored_(raster_, opened.grid.get(), selected.report.achieved_error),
+        samples_(samples_of(opened, wanted)),
+        stored_(raster_, samples_, selected.report.achieved_error),
         threads_(threads_for(raster_.n_nodes(0), wanted.threads)) {
     report_.terrain = selected.report;
     report_.frame = opened.facts.frame;
@@ -73,6 +95,7 @@ class OwnGrid {
   Result<TerrainRasterReport> write(const std::string& path, Progress& progress) {
     const Stopwatch measuring;
     LODE_CHECK(choose_type(progress));
+    LODE_CHECK(check_is_of_samples());
     report_.sample_seconds = measuring.seconds();
     const Stopwatch writing;
     LODE_CHECK(write_files(path, progress));
@@ -86,11 +109,24 @@ class OwnGrid {
     LODE_CHECK(measure(RasterType::float32, progress));
     const TerrainReport& terrain = report_.terrain;
     const bool has_tolerance = terrain.is_within_error && terrain.is_uniform;
-    const double kept = opened_.grid    ? terrain.achieved_error
-                        : has_tolerance ? terrain.max_error
-                                        : std::numeric_limits<double>::infinity();
+    const double kept = samples_ != nullptr ? terrain.achieved_error
+                        : has_tolerance     ? terrain.max_error
+                                            : std::numeric_limits<double>::infinity();
     if (report_.error <= kept) return {};
     return measure(RasterType::float64, progress);
+  }
+
+  /// No sample of the raster that it is of is farther from the TIN than its error; where that
+  /// varies nothing is known of all.
+  [[nodiscard]] Result<void> check_is_of_samples() const {
+    const bool is_given = samples_ != nullptr && samples_ == wanted_.samples.get();
+    if (!is_given || !report_.terrain.is_uniform) return {};
+    const double most = report_.terrain.achieved_error + report_.rounding;
+    if (report_.error <= most) return {};
+    return fail(
+        "expected the raster that the model is of, whose heights are within {} of its TIN, got {}, "
+        "with heights up to {} from it",
+        most, wanted_.samples_name, report_.error);
   }
 
   Result<void> measure(RasterType type, Progress& progress) {
@@ -101,8 +137,9 @@ class OwnGrid {
     report_.nodata = facts.meets_value ? kLowestFloat : nodata.value_or(kLowestFloat);
     report_.n_heights = facts.n_heights;
     report_.rounding = facts.rounding + raster_.rounding();
-    report_.error_kind = opened_.grid ? RasterErrorKind::measured : RasterErrorKind::bound;
-    report_.error = opened_.grid ? facts.error : bound_without_samples(type);
+    const bool is_measured = samples_ != nullptr;
+    report_.error_kind = is_measured ? RasterErrorKind::measured : RasterErrorKind::bound;
+    report_.error = is_measured ? facts.error : bound_without_samples(type);
     return {};
   }
 
@@ -184,6 +221,7 @@ class OwnGrid {
   const OpenedTerrain& opened_;
   const TerrainRasterOptions& wanted_;
   TinRaster raster_;
+  const HeightGrid* samples_;  ///< Null: not at hand.
   StoredHeights stored_;
   Threads threads_;
   TerrainRasterReport report_;
@@ -301,6 +339,22 @@ class OtherGrid {
   std::vector<double> strip_;
 };
 
+Result<void> check_difference(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
+  if (wanted.samples && !is_same_grid(*wanted.samples, opened.facts.frame))
+    return fail(
+        "expected the raster of {} x {} samples that the model is of, got {}, of {} x {}, or "
+        "elsewhere",
+        opened.facts.frame.n_columns, opened.facts.frame.n_rows, wanted.samples_name,
+        wanted.samples->n_columns, wanted.samples->n_rows);
+  if (wanted.difference.empty()) return {};
+  if (wanted.cell) return fail("expected a raster on its own grid to subtract, got a cell");
+  if (samples_of(opened, wanted) != nullptr) return {};
+  return fail(
+      "expected the raster that the model is of, to subtract it, got none: a model of {} has not "
+      "all its heights",
+      name_of(opened.model));
+}
+
 Result<void> check_raster_options(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
   if (opened.facts.is_of_points && !wanted.cell)
     return fail(
@@ -320,10 +374,7 @@ Result<void> check_raster_options(const OpenedTerrain& opened, const TerrainRast
         name_of(opened.model));
   if (wanted.cell && !(*wanted.cell > 0 && std::isfinite(*wanted.cell)))
     return fail("expected a cell > 0, got {}", *wanted.cell);
-  if (!wanted.difference.empty() && (wanted.cell || !opened.grid))
-    return fail("expected a raster on its own grid to subtract, got {}",
-                wanted.cell ? "a cell" : "a model of one, whose samples are not at hand");
-  return {};
+  return check_difference(opened, wanted);
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "lode/api/opened_terrain.h"
 #include "lode/api/terrain.h"
 #include "lode/core/height_frame.h"
+#include "lode/core/height_grid.h"
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
@@ -21,8 +23,13 @@ struct TerrainRasterOptions {
   /// of.
   std::optional<double> cell{};
   /// Another raster to write, of the heights in the first less the samples; empty: none. Only on
-  /// the grid of a raster whose samples are at hand.
+  /// the grid of a raster whose samples are at hand, or given.
   std::string difference{};
+  /// The raster that a model is of, where it has not all heights itself; null: not given. Refused
+  /// where it is another one: on another grid, or with a height that the model's TIN is farther
+  /// from than it says.
+  std::shared_ptr<const HeightGrid> samples{};
+  std::string samples_name{};                                  ///< Its path, for messages.
   std::function<std::string(const TerrainReport&)> comment{};  ///< For both files.
   Threads threads{};
 };
