@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "lode/core/height_frame.h"
+#include "lode/io/degrees_rim.h"
 #include "lode/io/gdal_library.h"
 #include "lode/io/height_reader.h"
 
@@ -25,6 +28,7 @@ class GdalRaster {
         gdal_(std::exchange(other.gdal_, nullptr)),
         dataset_(std::exchange(other.dataset_, nullptr)),
         source_(std::exchange(other.source_, nullptr)),
+        rim_(std::move(other.rim_)),
         n_file_bytes_(other.n_file_bytes_) {}
   GdalRaster& operator=(GdalRaster&&) = delete;
   ~GdalRaster();
@@ -48,6 +52,8 @@ class GdalRaster {
   /// where GDAL cannot do that.
   [[nodiscard]] Result<void> put_in_degrees(Resampling resampling,
                                             const HeightReadOptions& options);
+  /// Of one in degrees: heights of samples that have none otherwise, by row and column.
+  [[nodiscard]] const std::vector<RimHeight>& rim() const { return rim_; }
   /// Position and CRS; fails where the position is degenerate.
   [[nodiscard]] Result<void> place(HeightRaster& raster) const;
   /// Fills a whole row, `type` as in memory.
@@ -62,11 +68,17 @@ class GdalRaster {
 
   /// Of degrees, with the vertical part of the source's.
   [[nodiscard]] Result<std::string> crs_of_degrees() const;
+  /// What warping the source to a virtual raster makes of it.
+  [[nodiscard]] Result<void> warp_source(std::vector<std::string> words);
+  [[nodiscard]] Result<void> check_size_in_degrees(const HeightReadOptions& options) const;
+  /// The places of its samples.
+  [[nodiscard]] Result<HeightFrame> frame_in_degrees() const;
 
   std::string path_;
   const GdalLibrary* gdal_;
   GDALDatasetH dataset_ = nullptr;
   GDALDatasetH source_ = nullptr;  ///< What was put in degrees.
+  std::vector<RimHeight> rim_;
   std::uint64_t n_file_bytes_;
 };
 

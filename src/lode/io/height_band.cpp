@@ -1,5 +1,6 @@
 #include "lode/io/height_band.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -223,6 +224,25 @@ Result<HeightRaster> describe_plain(const GdalRaster& raster, const HeightReadOp
   return result;
 }
 
+/// Samples beside the outermost ones of a file that was put in degrees.
+void fill_rim(const GdalRaster& raster, RasterRows rows, HeightGrid& grid) {
+  if (grid.is_valid.empty()) return;
+  const auto& rim = raster.rim();
+  auto at = std::ranges::lower_bound(rim, rows.first, {}, &RimHeight::row);
+  for (; at != rim.end() && at->row < rows.first + rows.n; ++at) {
+    const std::int32_t y = at->row - rows.first;
+    if (grid.has_height(at->column, y)) continue;
+    std::visit(
+        [&](auto& heights) {
+          using T = std::remove_cvref_t<decltype(heights[0])>;
+          heights[static_cast<std::size_t>(y * grid.stride + at->column)] =
+              static_cast<T>(at->height);
+        },
+        grid.heights);
+    grid.is_valid[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + at->column)] = 1;
+  }
+}
+
 }  // namespace
 
 Result<HeightRaster> describe_raster(const GdalRaster& raster, const HeightReadOptions& options) {
@@ -240,7 +260,11 @@ Result<HeightGrid> read_rows(const GdalRaster& raster, const HeightReadOptions& 
                              RasterRows rows, Progress* progress) {
   // Heights of 24 bits: float32 holds those of Terrarium, which are multiples of 1/256.
   switch (options.encoding) {
-    case HeightEncoding::none: return read_typed(raster, options, rows, progress);
+    case HeightEncoding::none: {
+      LODE_TRY(HeightGrid grid, read_typed(raster, options, rows, progress));
+      fill_rim(raster, rows, grid);
+      return grid;
+    }
     case HeightEncoding::terrarium: return read_colors<float>(raster, options, rows, progress);
     case HeightEncoding::terrain_rgb: return read_colors<double>(raster, options, rows, progress);
   }

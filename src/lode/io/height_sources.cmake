@@ -21,6 +21,7 @@ set(IO_HEIGHT_SOURCES
   quantized_mesh.cpp
   quantized_mesh_input.cpp
   raster_file.cpp
+  degrees_rim.cpp
   raster_warp.cpp
   resampling_error.cpp
   vector_file.cpp

@@ -104,6 +104,41 @@ Result<Degrees> choose_degrees(const std::string& path, const GdalLibrary& gdal,
   return chosen;
 }
 
+std::vector<std::string> warp_words(GDALDataType type, const Degrees& degrees,
+                                    Resampling resampling, const HeightReadOptions& options) {
+  const bool is_short = type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16;
+  // What is missing is NaN, in each band by itself.
+  std::vector<std::string> words{"-of", "VRT", "-t_srs", degrees.crs, "-r", name_of(resampling)};
+  words.insert(words.end(), {"-et", kMostOff, "-novshift", "-dstnodata", "nan"});
+  words.insert(words.end(), {"-ot", is_short || type == GDT_Float32 ? "Float32" : "Float64"});
+  if (degrees.spacing)
+    words.insert(words.end(),
+                 {"-tr", fmt::format("{}", (*degrees.spacing)[0] / options.oversampling),
+                  fmt::format("{}", (*degrees.spacing)[1] / options.oversampling)});
+  // In between samples heights are found from those round them, also where they come closer.
+  for (const char* option : {"XSCALE=1", "YSCALE=1", "UNIFIED_SRC_NODATA=NO"})
+    words.insert(words.end(), {"-wo", option});
+  if (options.nodata) words.insert(words.end(), {"-srcnodata", fmt::format("{}", *options.nodata)});
+  return words;
+}
+
+using Lacks = std::array<std::array<std::int32_t, 2>, 2>;
+
+/// With the columns and rows that a raster lacks.
+std::vector<std::string> with_extent(std::vector<std::string> words, const HeightFrame& frame,
+                                     const Lacks& lacks) {
+  const auto& g = frame.to_world;
+  const auto at = [&](double column, double row) {
+    return std::array{g[0] + column * g[1], g[3] + row * g[5]};
+  };
+  const auto [west, north] = at(-0.5 - lacks[0][0], -0.5 - lacks[1][0]);
+  const auto [east, south] =
+      at(frame.n_columns - 0.5 + lacks[0][1], frame.n_rows - 0.5 + lacks[1][1]);
+  words.emplace_back("-te");
+  for (const double side : {west, south, east, north}) words.push_back(fmt::format("{}", side));
+  return words;
+}
+
 }  // namespace
 
 Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadOptions& options) {
@@ -122,20 +157,31 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
                 path_);
   LODE_TRY(const Degrees degrees,
            choose_degrees(path_, *gdal_, gdal_->projection(dataset_), pixels));
-  const GDALDataType type = gdal_->type(band);
-  const bool is_short = type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16;
-  // What is missing is NaN, in each band by itself.
-  std::vector<std::string> words{"-of", "VRT", "-t_srs", degrees.crs, "-r", name_of(resampling)};
-  words.insert(words.end(), {"-et", kMostOff, "-novshift", "-dstnodata", "nan"});
-  words.insert(words.end(), {"-ot", is_short || type == GDT_Float32 ? "Float32" : "Float64"});
-  if (degrees.spacing)
-    words.insert(words.end(),
-                 {"-tr", fmt::format("{}", (*degrees.spacing)[0] / options.oversampling),
-                  fmt::format("{}", (*degrees.spacing)[1] / options.oversampling)});
-  // In between samples heights are found from those round them, also where they come closer.
-  for (const char* option : {"XSCALE=1", "YSCALE=1", "UNIFIED_SRC_NODATA=NO"})
-    words.insert(words.end(), {"-wo", option});
-  if (options.nodata) words.insert(words.end(), {"-srcnodata", fmt::format("{}", *options.nodata)});
+  const std::vector<std::string> words =
+      warp_words(gdal_->type(band), degrees, resampling, options);
+  LODE_TRY(std::vector<BorderHeight> border, read_border(path_, options));
+  // Which another raster of the file took back when it was done.
+  gdal_->set_option("GTIFF_REPORT_COMPD_CS", "YES");
+  const std::string crs = gdal_->projection(dataset_);
+  source_ = std::exchange(dataset_, nullptr);
+  LODE_CHECK(warp_source(words));
+  LODE_CHECK(check_size_in_degrees(options));
+  LODE_TRY(const HeightFrame frame, frame_in_degrees());
+  LODE_TRY(auto there, border_in_degrees(path_, crs, frame, border));
+  const Lacks lacks = lacking(frame, there);
+  if (degrees.spacing && lacks != Lacks{}) {
+    LODE_CHECK(warp_source(with_extent(words, frame, lacks)));
+    LODE_TRY(const HeightFrame wider, frame_in_degrees());
+    LODE_TRY(there, border_in_degrees(path_, crs, wider, std::move(border)));
+    rim_ = find_rim(wider, there);
+    return {};
+  }
+  rim_ = find_rim(frame, there);
+  return {};
+}
+
+Result<void> GdalRaster::warp_source(std::vector<std::string> words) {
+  if (dataset_ != nullptr) gdal_->close(std::exchange(dataset_, nullptr));
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
@@ -143,24 +189,37 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
   gdal_->reset_errors();
   GDALWarpAppOptions* warping = gdal_->new_warp_options(arguments.data(), nullptr);
   if (warping == nullptr) return fail("{}: expected GDAL to resample, got: {}", path_, reason());
-  GDALDatasetH warped = gdal_->warp("", nullptr, 1, &dataset_, warping, nullptr);
+  dataset_ = gdal_->warp("", nullptr, 1, &source_, warping, nullptr);
   gdal_->free_warp_options(warping);
-  if (warped == nullptr)
-    return fail("{}: expected a raster that can be put in degrees, got: {}", path_, reason());
+  if (dataset_ != nullptr) return {};
+  return fail("{}: expected a raster that can be put in degrees, got: {}", path_, reason());
+}
+
+Result<void> GdalRaster::check_size_in_degrees(const HeightReadOptions& options) const {
   const auto n_samples = [&](GDALDatasetH dataset) {
     return static_cast<std::uint64_t>(gdal_->n_columns(dataset)) *
            static_cast<std::uint64_t>(gdal_->n_rows(dataset));
   };
-  source_ = std::exchange(dataset_, warped);
   // Near poles, and of places that are far apart.
   constexpr std::uint64_t kMostTimes = 64;
   const auto n_along = static_cast<std::uint64_t>(options.oversampling);
-  if (n_samples(dataset_) / kMostTimes / (n_along * n_along) > n_samples(source_) + 4096)
-    return fail(
-        "{}: expected a raster that has some more samples in degrees, got {} x {} of {} x {}",
-        path_, gdal_->n_columns(dataset_), gdal_->n_rows(dataset_), gdal_->n_columns(source_),
-        gdal_->n_rows(source_));
-  return {};
+  if (n_samples(dataset_) / kMostTimes / (n_along * n_along) <= n_samples(source_) + 4096)
+    return {};
+  return fail("{}: expected a raster that has some more samples in degrees, got {} x {} of {} x {}",
+              path_, gdal_->n_columns(dataset_), gdal_->n_rows(dataset_), gdal_->n_columns(source_),
+              gdal_->n_rows(source_));
+}
+
+Result<HeightFrame> GdalRaster::frame_in_degrees() const {
+  HeightFrame frame;
+  frame.n_columns = n_columns();
+  frame.n_rows = n_rows();
+  frame.crs = kDegrees;
+  std::array<double, 6> g{};
+  if (gdal_->geotransform(dataset_, g.data()) != CE_None)
+    return fail("{}: expected a position of what is in degrees, got: {}", path_, reason());
+  frame.to_world = {g[0] + (g[1] + g[2]) / 2, g[1], g[2], g[3] + (g[4] + g[5]) / 2, g[4], g[5]};
+  return frame;
 }
 
 Result<std::string> GdalRaster::crs_of_degrees() const {
