@@ -268,28 +268,12 @@ Vec3d metres_of_axes(const TerrainJob& job, const OpenedTerrain& opened, Session
   return {{place->x_scale, place->y_scale, place->z_scale}};
 }
 
-/// What a model is of, where it is given and the model has not all heights itself.
-Result<void> read_samples(const TerrainJob& job, const OpenedTerrain& opened,
-                          TerrainRasterOptions& wanted, Session& session) {
-  const std::string& path = job.raster.against;
-  if (path.empty()) return {};
-  if (opened.samples) {
-    session.warn(fmt::format("--against: {} is not read: {} has all heights", path, job.input));
-    return {};
-  }
-  LODE_TRY(HeightRaster read, read_heights(path, {}, session.progress()));
-  const auto raster = std::make_shared<const HeightRaster>(std::move(read));
-  wanted.samples = {raster, &raster->grid};
-  wanted.samples_name = path;
-  return {};
-}
-
 Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                           const TerrainOptions& options, Session& session) {
   if (is_geotiff_path(job.output)) {
     LODE_TRY(TerrainRasterOptions wanted, to_raster_options(job.raster));
     wanted.threads = session.threads();
-    LODE_CHECK(read_samples(job, opened, wanted, session));
+    LODE_CHECK(read_samples(job.raster, opened, wanted, session));
     wanted.comment = [&](const TerrainReport& report) {
       return summary_of(report, opened, options.order);
     };

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+#include <utility>
+
 #include "outputs.h"
 #include "parse.h"
 #include "terrain_arguments.h"
@@ -86,6 +89,21 @@ Result<TerrainRasterOptions> to_raster_options(const RasterArguments& arguments)
   LODE_TRY(options.cell, parse_number("--cell", arguments.cell));
   if (!(*options.cell > 0)) return fail("--cell: expected a number > 0, got '{}'", arguments.cell);
   return options;
+}
+
+Result<void> read_samples(const RasterArguments& arguments, const OpenedTerrain& opened,
+                          TerrainRasterOptions& wanted, Session& session) {
+  const std::string& path = arguments.against;
+  if (path.empty()) return {};
+  if (opened.samples) {
+    session.warn(fmt::format("--against: {} is not read: the file has all heights", path));
+    return {};
+  }
+  LODE_TRY(HeightRaster read, read_heights(path, {}, session.progress()));
+  const auto raster = std::make_shared<const HeightRaster>(std::move(read));
+  wanted.samples = {raster, &raster->grid};
+  wanted.samples_name = path;
+  return {};
 }
 
 void add_raster(const TerrainRasterReport& report, const RasterForm& form, Json& json,

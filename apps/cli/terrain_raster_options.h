@@ -34,6 +34,11 @@ void add_raster_options(CLI::App& app, RasterArguments& arguments);
 
 [[nodiscard]] Result<TerrainRasterOptions> to_raster_options(const RasterArguments& arguments);
 
+/// Reads the raster of --against, where a model has not all heights itself; warns where it has.
+[[nodiscard]] Result<void> read_samples(const RasterArguments& arguments,
+                                        const OpenedTerrain& opened, TerrainRasterOptions& wanted,
+                                        Session& session);
+
 /// The keys and rows of a raster that was written; `form` is that of the terrain's own.
 void add_raster(const TerrainRasterReport& report, const RasterForm& form, Json& json,
                 Table& table);

@@ -378,6 +378,15 @@ TEST_F(terrain_raster, of_a_file_of_lode_lies_where_the_raster_did_and_keeps_a_w
         opened, {.max_error = 40}, {.difference = path("less.tif")}, path("out.tif"), progress_);
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("not at hand"), std::string::npos);
+    const TerrainRasterReport measured =
+        write(opened, 40, {.difference = path("less.tif"), .samples = source.grid});
+    EXPECT_EQ(measured.error_kind, RasterErrorKind::measured);
+    EXPECT_LE(measured.error, 40);
+    const ReadRaster less = read_back(path("less.tif"));
+    const ReadRaster heights = read_back(path("out.tif"));
+    for (std::size_t i = 0; i < less.samples.size(); ++i)
+      if (heights.mask[i] != 0)
+        EXPECT_NEAR(less.samples[i], heights.samples[i] - raster.samples[i], 1e-4);  // of float32
   }
 }
 

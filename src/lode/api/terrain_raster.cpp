@@ -350,8 +350,8 @@ Result<void> check_difference(const OpenedTerrain& opened, const TerrainRasterOp
   if (wanted.cell) return fail("expected a raster on its own grid to subtract, got a cell");
   if (samples_of(opened, wanted) != nullptr) return {};
   return fail(
-      "expected the raster that the model is of, to subtract it, got none: a model of {} has not "
-      "all its heights",
+      "expected the raster that the model is of, to subtract it, got none: its samples are not at "
+      "hand in a model of {}",
       name_of(opened.model));
 }
 
