@@ -51,7 +51,7 @@ const char* what_nodes_are(TerrainModel model) {
 
 /// Vertices of hierarchies lie between samples, too.
 void warn_of_many(const BuiltTerrainInfo& info, const OpenedTerrain& opened, Session& session) {
-  const std::uint64_t full = n_full_triangles(opened.facts.frame);
+  const std::uint64_t full = n_full_triangles(opened.facts, info.n_samples);
   for (const BuiltTerrainInfo::Level& level : info.levels)
     if (is_hierarchy(opened.model) && level.triangles > full)
       session.warn(fmt::format(

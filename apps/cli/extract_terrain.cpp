@@ -152,7 +152,7 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
                     "are turned over or flat",
                     format_count(report.n_turned), job.output));
   const std::uint64_t n_triangles = clip ? clip->n_triangles : report.triangles;
-  const std::uint64_t full = n_full_triangles(opened.facts.frame);
+  const std::uint64_t full = n_full_triangles(opened.facts, report.n_samples);
   if (is_hierarchy(opened.model) && n_triangles > full)
     session.warn(
         fmt::format("{} triangles are more than the {} of all samples, which "

@@ -20,11 +20,8 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
       ->group(group);
   app.add_option(
          "--breaklines", arguments.breaklines,
-         "Make lines edges of every mesh of the selector, the pyramids and the ternary "
-         "triangulation (not of models on squares, nor of hierarchies of triangulations): "
-         ".geojson, "
-         ".gpkg or .shp, in any CRS, of all layers; points are left out, lines without heights get "
-         "the surface's")
+         "Make lines edges of every mesh (not of models on squares): .geojson, .gpkg or .shp, in "
+         "any CRS, of all layers; points are left out, lines without heights get the surface's")
       ->type_name("LINES")
       ->group(group);
   app.add_flag("--drape", arguments.drape,

@@ -65,7 +65,9 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
   all["seconds"] = lines.seconds;
 }
 
-std::uint64_t n_full_triangles(const HeightFrame& frame) {
+std::uint64_t n_full_triangles(const TerrainFacts& facts, std::uint64_t n_samples) {
+  if (facts.is_of_points || facts.points) return 2 * n_samples;
+  const HeightFrame& frame = facts.frame;
   return 2 * static_cast<std::uint64_t>(frame.n_columns - 1) *
          static_cast<std::uint64_t>(frame.n_rows - 1);
 }

@@ -11,7 +11,7 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table);
 /// The keys and rows of a terrain: size, CRS, unit, samples that are missing.
 void add_facts(const TerrainFacts& facts, Json& json, Table& table);
 
-/// Triangles of all samples, two for each cell.
-[[nodiscard]] std::uint64_t n_full_triangles(const HeightFrame& frame);
+/// Triangles of all samples: two for each cell, and of points fewer than two for each.
+[[nodiscard]] std::uint64_t n_full_triangles(const TerrainFacts& facts, std::uint64_t n_samples);
 
 }  // namespace lode::cli

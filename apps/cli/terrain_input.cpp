@@ -232,12 +232,11 @@ Result<void> check_lined_model(const std::string& path, const TerrainArguments& 
   const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
   if (is_of_any_points(*model) || !has_breaklines) return {};
   return fail(
-      "{}: expected --model delaunay_selector, delaunay_pyramid, ternary_triangulation or "
-      "implicit_delaunay_pyramid with --breaklines, got '{}', which {}: --keep-features and "
+      "{}: expected --model delaunay_selector, delaunay_pyramid, ternary_triangulation, "
+      "implicit_delaunay_pyramid, adaptive_triangulation or hierarchical_delaunay with "
+      "--breaklines, got '{}', which has no edges but those of squares: --keep-features and "
       "--feature-relief are for all models",
-      path, arguments.model,
-      is_hierarchy(*model) ? "refines edges along the heights of the raster"
-                           : "has no edges but those of squares");
+      path, arguments.model);
 }
 
 Result<void> check_model_of_points(const std::string& path, const TerrainArguments& arguments) {
@@ -245,7 +244,8 @@ Result<void> check_model_of_points(const std::string& path, const TerrainArgumen
   if (!is_point_path(path) || !model || is_of_any_points(*model)) return {};
   return fail(
       "{}: expected a raster with --model {}, got scattered points: delaunay_pyramid, "
-      "ternary_triangulation and implicit_delaunay_pyramid can be built of these",
+      "ternary_triangulation, implicit_delaunay_pyramid, adaptive_triangulation and "
+      "hierarchical_delaunay can be built of these",
       path, arguments.model);
 }
 

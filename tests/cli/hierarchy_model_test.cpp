@@ -1,6 +1,7 @@
 // Files of hierarchical triangulations, through the program.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "tests/cli/dem_fixture.h"
@@ -104,12 +105,6 @@ TEST_P(cli_hierarchy_model, keeps_features_as_edges) {
   const auto from_raster = run_lode({"extract", dem_, out_, "--model", GetParam(), "--max-error",
                                      "50", "--keep-features", "--json"});
   EXPECT_GT(from_raster.json().at("lines").at("features").at("kept").at("peaks"), 0);
-  const std::string lines = scratch_ / "lines.geojson";
-  std::ofstream(lines) << R"({"type":"FeatureCollection","features":[]})";
-  const Finished refused =
-      run_lode({"build", dem_, model_, "--model", GetParam(), "--breaklines", lines});
-  EXPECT_NE(refused.exit_code, 0);
-  EXPECT_NE(refused.err.find("along the heights of the raster"), std::string::npos) << refused.err;
 }
 
 TEST_P(cli_hierarchy_model, gives_the_mesh_of_a_level) {
@@ -204,6 +199,116 @@ TEST_P(cli_hierarchy_model, varies_of_the_raster_and_of_the_file) {
         run({"render", input, scratch_ / "out.png", "--max-error-px", "20", "--size", "160x120"});
     EXPECT_LE(drawn.at("achieved_px").get<double>(), 20);
   }
+}
+
+/// 700 scattered points of hills, with a hole that --max-edge leaves, and two of them at one place.
+void write_points(const std::string& path) {
+  std::ofstream file(path);
+  std::uint32_t random = 5;
+  const auto below = [&](double n) {
+    random = random * 1664525 + 1013904223;
+    return std::round((random >> 8) / 16777216.0 * n * 100) / 100;
+  };
+  for (int i = 0; i < 700; ++i) {
+    const double x = below(200);
+    const double y = below(150);
+    const double z = 30 * std::sin(x / 23) * std::cos(y / 19) + 5 * std::sin(x * y / 90);
+    if (std::hypot(x - 80, y - 70) < 25) continue;
+    file << 1000 + x << ' ' << 2000 + y << ' ' << std::round(z * 1000) / 1000 << '\n';
+  }
+  file << "1150 2100 5\n1150 2100 7\n";
+}
+
+TEST_P(cli_hierarchy_model, is_built_of_scattered_points_and_asked) {
+  const std::string points = scratch_ / "hills.xyz";
+  write_points(points);
+  const std::vector<std::string> domain{"--max-edge", "30", "--duplicates", "min"};
+  const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  const auto built = run_lode(with({"build", points, model_, "--model", GetParam(), "--levels",
+                                    "20,5,1", "--json"},
+                                   domain))
+                         .json();
+  ASSERT_EQ(built.at("levels").size(), 3U);
+  const auto info = run_lode({"info", model_, "--json"}).json();
+  EXPECT_EQ(info.at("levels"), built.at("levels"));
+  EXPECT_EQ(run_lode({"verify", model_}).exit_code, 0);
+  const Finished against = run_lode(with({"verify", model_, "--against", points}, domain));
+  EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
+  EXPECT_NE(against.out.find("within 1: samples are within the error"), std::string::npos);
+  EXPECT_NE(against.out.find("vertices are on the triangulation of all points"), std::string::npos);
+  // Of another domain, and of another height at one place.
+  EXPECT_NE(run_lode({"verify", model_, "--against", points, "--duplicates", "min"}).exit_code, 0);
+  EXPECT_NE(
+      run_lode({"verify", model_, "--against", points, "--duplicates", "max", "--max-edge", "30"})
+          .exit_code,
+      0);
+  write_bytes(scratch_ / "places.csv", "x,y\n1031.5,2040\n1150,2100\n1080,2070\n");
+  for (const std::vector<std::string>& question :
+       {std::vector<std::string>{"height", model_, scratch_ / "places.csv", "--out",
+                                 scratch_ / "out.csv"},
+        {"profile", model_, "--from", "1010,2010", "--to", "1190,2120"},
+        {"contours", model_, scratch_ / "out.gpkg", "--interval", "5"},
+        {"render", model_, scratch_ / "out.png", "--size", "64x48"},
+        {"extract", model_, scratch_ / "out.tif", "--cell", "3"},
+        {"extract", model_, out_}}) {
+    SCOPED_TRACE(question[0]);
+    const Finished answer = run_lode(with(question, {"--max-error", "5", "--json"}));
+    ASSERT_EQ(answer.exit_code, 0) << answer.err;
+    EXPECT_EQ(answer.json().at("triangles"), built.at("levels")[1].at("triangles"));
+  }
+  const int everywhere = built.at("levels")[2].at("triangles");
+  for (const std::vector<std::string>& input :
+       {std::vector<std::string>{"extract", model_}, {"extract", points, "--model", GetParam()}}) {
+    const Finished varied = run_lode(
+        with(with(input, {out_, "--max-error", "1", "--box", "1100,1150,2020,2060", "--json"}),
+             input.size() > 2 ? domain : std::vector<std::string>{}));
+    ASSERT_EQ(varied.exit_code, 0) << varied.err;
+    EXPECT_LT(varied.json().at("triangles"), everywhere);
+  }
+}
+
+TEST_P(cli_hierarchy_model, keeps_breaklines_as_edges) {
+  const std::string points = scratch_ / "hills.xyz";
+  write_points(points);
+  const std::string lines = scratch_ / "lines.geojson";
+  // Across the hills with heights of its own, and one that is draped.
+  const auto write_lines = [&](double x, double y) {
+    std::ofstream(lines)
+        << R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:32611"}},)"
+        << R"("features":[{"type":"Feature","properties":{},"geometry":{"type":"LineString",)"
+        << R"("coordinates":[[)" << x + 20.5 << ',' << y + 30 << R"(,40],[)" << x + 160 << ','
+        << y + 120.25 << R"(,50]]}},{"type":"Feature","properties":{},"geometry":{"type":)"
+        << R"("LineString","coordinates":[[)" << x + 30 << ',' << y + 120 << "],[" << x + 170 << ','
+        << y + 15 << "]]}}]}";
+  };
+  const auto expect_kept = [&](const std::string& input, const std::vector<std::string>& reading) {
+    SCOPED_TRACE(input);
+    const auto with_lines = [&](std::vector<std::string> words) {
+      words.insert(words.end(), reading.begin(), reading.end());
+      words.insert(words.end(), {"--breaklines", lines});
+      return words;
+    };
+    const Finished built = run_lode(with_lines(
+        {"build", input, model_, "--model", GetParam(), "--levels", "30,8,2", "--json"}));
+    ASSERT_EQ(built.exit_code, 0) << built.err;
+    EXPECT_GT(built.json().at("fixed_edges"), 3);
+    EXPECT_EQ(run_lode({"verify", model_}).exit_code, 0);
+    const Finished against = run_lode(with_lines({"verify", model_, "--against", input}));
+    EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
+    EXPECT_NE(against.out.find("lines are edges of all levels"), std::string::npos);
+    const Finished without = run_lode({"verify", model_, "--against", input});
+    EXPECT_NE(without.exit_code, 0) << without.out;
+    const Finished extracted = run_lode({"extract", model_, out_, "--max-error", "8", "--json"});
+    EXPECT_EQ(extracted.json().at("triangles"), built.json().at("levels")[1].at("triangles"));
+  };
+  write_lines(1000, 2000);
+  expect_kept(points, {"--crs", "EPSG:32611"});
+  write_dem_crs(scratch_ / "dem.prj");
+  write_lines(500300, 4000300);
+  expect_kept(dem_, {});
 }
 
 INSTANTIATE_TEST_SUITE_P(models, cli_hierarchy_model,

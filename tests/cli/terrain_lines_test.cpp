@@ -114,7 +114,7 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   expect_refused({"--drape"}, "expected --breaklines");
   expect_refused({"--drape-error", "-1", "--breaklines", lines_}, "--drape-error: expected");
   expect_refused({"--feature-relief", "-1"}, "--feature-relief: expected a number >= 0");
-  expect_refused({"--breaklines", lines_, "--model", "adaptive_triangulation"}, "delaunay_pyramid");
+  expect_refused({"--breaklines", lines_, "--model", "surface_quadtree"}, "delaunay_pyramid");
   expect_refused({"--breaklines", lines_, "--model", "restricted_quadtree"}, "delaunay_selector");
   expect_refused({"--breaklines", scratch_ / "none.geojson"}, "none.geojson");
   expect_refused({"--breaklines", dem_}, ".geojson");

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "lode/api/built_terrain.h"
+#include "lode/api/point_terrain.h"
 #include "lode/api/tetra_dataset.h"
 #include "lode/io/quantized_mesh.h"
 #include "lode/io/surface_file.h"
@@ -329,6 +330,32 @@ void keep_terrain_files() {
   }
 }
 
+/// Scattered points, whose outline is oblique and has a hole.
+void keep_terrain_files_of_points() {
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 80; ++i) {
+    const int x = i * 7919 % 1009;
+    const int y = i * 104729 % 997;
+    const bool is_in_hole = std::abs(x - 500) < 200 && std::abs(y - 500) < 150;
+    if (!is_in_hole)
+      points.push_back({{1.0 * x, 1.0 * y, static_cast<double>((x * 3 + y * 7) % 40)}});
+  }
+  for (const TerrainModel model :
+       {TerrainModel::adaptive_triangulation, TerrainModel::hierarchical_delaunay}) {
+    const io::test::TempDir dir;
+    const std::string path = dir.path("p.lode");
+    Progress progress;
+    const auto terrain = make_point_terrain(points, {{0, 0}, 1}, {}, {.max_edge = 300}, progress);
+    if (!terrain) std::abort();
+    TerrainBuildOptions options;
+    options.model = model;
+    options.levels = {25, 10};
+    const auto built = BuiltTerrain::build(*terrain, options, progress);
+    if (!built || !built->save(path, progress)) std::abort();
+    keep("terrain_file", std::string(name_of(model)) + "_of_points", load(path));
+  }
+}
+
 }  // namespace
 }  // namespace lode::fuzz
 
@@ -341,6 +368,7 @@ int main(int argc, char** argv) {
   lode::fuzz::keep_lode_files();
   lode::fuzz::keep_tetra_files();
   lode::fuzz::keep_terrain_files();
+  lode::fuzz::keep_terrain_files_of_points();
   lode::fuzz::keep_indexes();
   lode::fuzz::keep_codecs();
   lode::fuzz::keep_journals();

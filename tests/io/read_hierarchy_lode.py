@@ -20,17 +20,19 @@ import independent_reader as container  # noqa: E402
 from independent_reader import BadFile, expect  # noqa: E402
 from read_insertions_lode import PART, Cursor, area, read_raster  # noqa: E402
 
-X, Y, HEIGHT, CORNERS, ERROR, REPLACED, COUNT, LINE = range(1, 9)
+X, Y, HEIGHT, CORNERS, ERROR, REPLACED, COUNT, LINE, CROWDED = range(1, 10)
 
 
 def read_metadata(raw):
     cursor = Cursor(raw)
-    expect(cursor.take("I") == 3, "another layout")
+    expect(cursor.take("I") == 4, "another layout")
+    expect(cursor.take("B") == 0, "a file of points")
     m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
     m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
     m["has_place"], m["range"], m["counts"] = cursor.take("B"), cursor.take("2d"), cursor.take("3Q")
     m["levels"] = [cursor.take("d") for _ in range(cursor.take("I"))]
     m["bits"], m["reach"], m["lines"] = cursor.take("I"), cursor.take("i"), cursor.take("I")
+    expect(cursor.take("I") == 0, "triangles with points beside them")
     m["v"] = [cursor.take("I") for _ in m["levels"]]
     m["t"] = [cursor.take("I") for _ in m["levels"]]
     m["m"] = [cursor.take("I") for _ in m["levels"]]

@@ -4,6 +4,7 @@
 
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/triangle_hierarchy/edge_profile.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "tests/terrain/hierarchy_fixtures.h"
 
 namespace lode::test {

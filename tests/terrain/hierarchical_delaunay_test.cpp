@@ -8,6 +8,7 @@
 
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
 #include "lode/models/terrain/triangle_hierarchy/edge_chains.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "lode/models/terrain/triangle_hierarchy/polygon.h"
 #include "tests/terrain/hierarchy_fixtures.h"
 

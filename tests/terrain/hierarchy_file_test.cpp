@@ -65,6 +65,29 @@ HierarchyModel drawn(const std::vector<LatticePoint>& vertices,
   return model;
 }
 
+/// The same over scattered points, here all nodes that are vertices.
+HierarchyModel drawn_of_points(const std::vector<LatticePoint>& vertices,
+                               const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  HierarchyModel model = drawn(vertices, triangles);
+  model.source.is_of_points = model.hierarchy.is_of_points = true;
+  return model;
+}
+
+/// A triangle and what refines it.
+HierarchyModel refined_of_points(const std::vector<LatticePoint>& vertices,
+                                 const std::vector<std::array<std::uint32_t, 3>>& parts) {
+  std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}};
+  triangles.insert(triangles.end(), parts.begin(), parts.end());
+  HierarchyModel model = drawn_of_points(vertices, triangles);
+  const auto n = static_cast<std::uint32_t>(vertices.size());
+  model.hierarchy.tolerances = {5, 2};
+  model.hierarchy.vertices_until = {3, n};
+  model.hierarchy.triangles_until = {1, static_cast<std::uint32_t>(triangles.size())};
+  model.hierarchy.refinements = {{0, 1}};
+  model.hierarchy.triangles[0].refinement = 0;
+  return model;
+}
+
 void expect_same(const HierarchyModel& a, const HierarchyModel& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.source.frame.to_world, b.source.frame.to_world);
@@ -84,6 +107,8 @@ void expect_same(const HierarchyModel& a, const HierarchyModel& b) {
   EXPECT_EQ(o.triangles_until, h.triangles_until);
   EXPECT_EQ(o.reach, h.reach);
   EXPECT_EQ(o.lines, h.lines);
+  EXPECT_EQ(o.is_of_points, h.is_of_points);
+  EXPECT_EQ(o.crowded, h.crowded);
   ASSERT_EQ(o.triangles.size(), h.triangles.size());
   for (std::size_t t = 0; t < h.triangles.size(); ++t) {
     EXPECT_EQ(o.triangles[t].corner, h.triangles[t].corner);
@@ -318,6 +343,50 @@ TEST_F(hierarchy_file, refuses_meshes_that_are_none) {
       drawn({{0, 0}, {2, 0}, {2, 1}, {0, 1}, {1, 1}, {0, 2}, {1, 2}, {2, 2}},
             {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {3, 4, 6}, {3, 6, 5}, {4, 2, 7}, {4, 7, 6}});
   expect_same(saved_and_opened(good), saved_and_opened(good));
+}
+
+TEST_F(hierarchy_file, of_points_has_any_outline_that_goes_round_once) {
+  expect_same(saved_and_opened(drawn_of_points({{0, 0}, {3, 1}, {2, 3}}, {{0, 1, 2}})),
+              saved_and_opened(drawn_of_points({{0, 0}, {3, 1}, {2, 3}}, {{0, 1, 2}})));
+  // Two that meet at a vertex, and four round a hole.
+  saved_and_opened(
+      drawn_of_points({{0, 0}, {3, 0}, {1, 1}, {3, 3}, {0, 2}}, {{0, 1, 2}, {2, 3, 4}}));
+  saved_and_opened(drawn_of_points(
+      {{0, 0}, {3, 0}, {3, 3}, {0, 3}, {1, 1}, {2, 1}, {2, 2}, {1, 2}},
+      {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}}));
+  // A square, and one in it; triangles that cross; one on a longer side of another.
+  const char* why = "goes round what is inside once";
+  expect_refused(drawn_of_points({{0, 0}, {3, 0}, {3, 3}, {0, 3}, {1, 1}, {2, 1}, {2, 2}, {1, 2}},
+                                 {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}}),
+                 why);
+  expect_refused(
+      drawn_of_points({{0, 0}, {3, 1}, {0, 2}, {1, 0}, {2, 3}, {1, 3}}, {{0, 1, 2}, {3, 4, 5}}),
+      why);
+  expect_refused(
+      drawn_of_points({{0, 0}, {3, 3}, {0, 3}, {1, 1}, {2, 2}, {3, 0}}, {{0, 1, 2}, {3, 5, 4}}),
+      why);
+}
+
+TEST_F(hierarchy_file, of_points_has_one_outline_at_all_levels) {
+  // The third side through a vertex on it, and beside it.
+  const std::vector<std::array<std::uint32_t, 3>> parts{{0, 1, 3}, {1, 2, 3}};
+  HierarchyModel good = refined_of_points({{0, 0}, {3, 1}, {2, 2}, {1, 1}}, parts);
+  good.hierarchy.crowded = {0};
+  good.hierarchy.reach = 1;
+  const HierarchyModel opened = saved_and_opened(good);
+  EXPECT_TRUE(opened.hierarchy.is_of_points);
+  EXPECT_EQ(opened.hierarchy.crowded, good.hierarchy.crowded);
+  expect_refused(refined_of_points({{0, 0}, {3, 1}, {2, 3}, {1, 1}}, parts),
+                 "level 1: expected the outline of level 0");
+  expect_refused(refined_of_points({{0, 0}, {3, 1}, {2, 2}, {1, 2}}, parts),
+                 "level 1: expected the outline of level 0");
+  good.hierarchy.crowded = {0, 1};
+  expect_refused(good, "up to 1 refined triangles with points beside them, got 2");
+  good.hierarchy.crowded = {3};
+  expect_refused(good, "points beside them that ascend, below 3, got 3");
+  HierarchyModel raster = drawn({{0, 0}, {3, 0}, {3, 3}, {0, 3}}, {{0, 1, 2}, {0, 2, 3}});
+  raster.hierarchy.crowded = {0};
+  expect_refused(raster, "up to 0 refined triangles");
 }
 
 TEST_F(hierarchy_file, never_crashes_on_random_bytes) {

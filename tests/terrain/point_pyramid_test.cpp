@@ -19,9 +19,9 @@
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/models/terrain/insertions/history_locator.h"
 #include "lode/refine/focus.h"
-#include "tests/delaunay/point_fixtures.h"
 #include "tests/oracles/random.h"
 #include "tests/terrain/height_grids.h"
+#include "tests/terrain/point_terrains.h"
 
 namespace lode {
 namespace {
@@ -30,66 +30,6 @@ using insertions::History;
 
 constexpr std::array kModels{TerrainModel::delaunay_pyramid, TerrainModel::ternary_triangulation,
                              TerrainModel::implicit_delaunay_pyramid};
-
-double rough_hills(double x, double y) {
-  return 40 * std::sin(x / 9) * std::cos(y / 7) + 7 * std::sin(x * y / 90) + x / 5;
-}
-
-/// Whole numbers up to `size`, so that many are on lines and circles where it is small.
-PointTerrain scattered(int n, std::int32_t size, std::uint64_t seed,
-                       const PointTerrainOptions& options = {}) {
-  std::vector<Vec3d> points;
-  for (const LatticePoint& p : delaunay::test::random_nodes(n, size, seed)) {
-    const double scale = 60.0 / size;
-    points.push_back({{static_cast<double>(p.x), static_cast<double>(p.y),
-                       std::round(4 * rough_hills(scale * p.x, scale * p.y)) / 4}});
-  }
-  Progress progress;
-  auto made = make_point_terrain(points, {{0, 0}, 1}, {}, options, progress);
-  EXPECT_TRUE(made) << made.error().message;
-  return *std::move(made);
-}
-
-/// Crossing lines: with heights of their own, draped, and one that leaves the domain.
-TerrainLineOptions some_lines(double size) {
-  TerrainLineOptions lines{.drape_error = 2};
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  lines.breaklines.push_back({{{{0.2 * size, 0.3 * size, 5}}, {{0.7 * size, 0.6 * size, 15}}}});
-  lines.breaklines.push_back(
-      {{{{0.3 * size, 0.7 * size, kNaN}}, {{0.6 * size, 0.25 * size, kNaN}}}});
-  lines.breaklines.push_back({{{{0.5 * size, 0.5 * size, kNaN}}, {{2 * size, 0.55 * size, kNaN}}}});
-  return lines;
-}
-
-struct Case {
-  std::string name;
-  PointTerrain terrain;
-};
-
-std::vector<Case> cases() {
-  Progress progress;
-  std::vector<Case> all;
-  all.push_back({"hull", scattered(700, 100'000, 1)});
-  all.push_back({"on circles", scattered(300, 24, 2)});
-  all.push_back({"part", scattered(500, 1000, 3, {.max_edge = 90})});
-  all.push_back({"triangle", scattered(3, 50, 5)});
-  auto lined = add_lines(scattered(600, 4096, 4), some_lines(4096), progress);
-  EXPECT_TRUE(lined) << lined.error().message;
-  all.push_back({"lines", std::move(lined->terrain)});
-  HeightGrid grid =
-      test::float_grid(31, 24, [](int x, int y) { return rough_hills(2 * x, 2 * y); });
-  for (std::int32_t x = 12; x < 16; ++x) delaunay::test::set_missing(grid, x, 9);
-  for (const bool has_breaklines : {false, true}) {
-    TerrainLineOptions lines;
-    if (has_breaklines) lines = some_lines(23);
-    lines.least_relief = 10;
-    auto raster = add_lines(grid, lines, progress);
-    EXPECT_TRUE(raster) << raster.error().message;
-    all.push_back({has_breaklines ? "raster with breaklines" : "raster with features",
-                   std::move(raster->terrain)});
-  }
-  return all;
-}
 
 void expect_passed(const Result<VerifyReport>& report) {
   ASSERT_TRUE(report) << report.error().message;
@@ -107,7 +47,7 @@ History history_of(const PointTerrain& terrain, TerrainModel model, double max_e
 TEST(point_pyramid, holds_against_its_points_and_comes_back_from_files) {
   const std::string path =
       testing::TempDir() + "lode_point_pyramid_" + std::to_string(::getpid()) + ".lode";
-  for (const Case& c : cases())
+  for (const test::PointCase& c : test::point_cases())
     for (const TerrainModel model : kModels) {
       SCOPED_TRACE(c.name + ", " + name_of(model));
       Progress progress;
@@ -139,7 +79,7 @@ TEST(point_pyramid, holds_against_its_points_and_comes_back_from_files) {
 
 /// But for errors, which are kept with 8 bits: so it may be a few insertions finer.
 TEST(point_pyramid, is_the_strict_selector_at_all_tolerances) {
-  for (const Case& c : cases()) {
+  for (const test::PointCase& c : test::point_cases()) {
     SCOPED_TRACE(c.name);
     Progress progress;
     const History history = history_of(c.terrain, TerrainModel::delaunay_pyramid, 0.5);
@@ -164,12 +104,12 @@ TEST(point_pyramid, is_the_strict_selector_at_all_tolerances) {
 /// Levels lose a fraction each, and what is on lines comes first.
 TEST(point_pyramid, of_all_points_has_logarithmically_many_levels) {
   const History history =
-      history_of(scattered(4000, 100'000, 6), TerrainModel::implicit_delaunay_pyramid, 0);
+      history_of(test::scattered(4000, 100'000, 6), TerrainModel::implicit_delaunay_pyramid, 0);
   EXPECT_EQ(history.vertices.size(), 4000U);
   EXPECT_EQ(history.max_error, 0);
   EXPECT_LT(history.level_ends.size(), 40U);
   EXPECT_GT(history.level_ends.size(), 8U);
-  const Case lined = cases()[4];
+  const test::PointCase lined = test::point_cases()[4];
   ASSERT_EQ(lined.name, "lines");
   const History with_lines = history_of(lined.terrain, TerrainModel::implicit_delaunay_pyramid, 0);
   std::size_t n_points = 0;
@@ -194,7 +134,7 @@ insertions::AppliedNodes random_set(const History& history, oracles::Random& ran
 /// Conforming, of the domain, constrained Delaunay where that is the rule, with all lines.
 TEST(point_pyramid, any_mixture_keeps_domain_and_lines) {
   oracles::Random random(7);
-  for (const Case& c : cases())
+  for (const test::PointCase& c : test::point_cases())
     for (const TerrainModel model : kModels) {
       SCOPED_TRACE(c.name + ", " + name_of(model));
       Progress progress;
@@ -211,7 +151,7 @@ TEST(point_pyramid, any_mixture_keeps_domain_and_lines) {
 
 /// By all points, also those on edges, in all triangles.
 TEST(point_pyramid, keeps_tolerances_that_vary_at_all_points) {
-  for (const Case& c : cases())
+  for (const test::PointCase& c : test::point_cases())
     for (const TerrainModel model : kModels) {
       SCOPED_TRACE(c.name + ", " + name_of(model));
       const HeightPoints& points = c.terrain.points;
@@ -251,7 +191,7 @@ TEST(point_pyramid, keeps_tolerances_that_vary_at_all_points) {
 
 /// A height at every point, from the mesh found down the history, is that of a search of all.
 TEST(point_pyramid, finds_points_beside_lines) {
-  for (const Case& c : cases()) {
+  for (const test::PointCase& c : test::point_cases()) {
     SCOPED_TRACE(c.name);
     const History history = history_of(c.terrain, TerrainModel::delaunay_pyramid, 0.5);
     const insertions::HistoryLocator locator(history);
@@ -290,7 +230,7 @@ std::string failed(const InsertionsTerrain& model, const PointTerrain& terrain) 
 }
 
 TEST(point_pyramid, lies_are_found) {
-  const PointTerrain terrain = scattered(400, 5000, 9);
+  const PointTerrain terrain = test::scattered(400, 5000, 9);
   const History whole = history_of(terrain, TerrainModel::delaunay_pyramid, 1);
   const auto with = [&](const auto& change) {
     History history = whole;
@@ -314,7 +254,8 @@ TEST(point_pyramid, lies_are_found) {
             }),
             "triangles of all times state their errors");
   Progress progress;
-  const HeightGrid grid = test::float_grid(9, 9, [](int x, int y) { return rough_hills(x, y); });
+  const HeightGrid grid =
+      test::float_grid(9, 9, [](int x, int y) { return test::rough_hills(x, y); });
   EXPECT_FALSE(InsertionsTerrain({whole, {}}).verify(grid, {}, progress));
   const auto of_raster = build_insertions(grid, TerrainModel::delaunay_pyramid, 1, progress);
   ASSERT_TRUE(of_raster);
@@ -323,7 +264,7 @@ TEST(point_pyramid, lies_are_found) {
 
 TEST(point_pyramid, of_other_lines_is_found_out) {
   const HeightGrid grid =
-      test::float_grid(31, 24, [](int x, int y) { return rough_hills(2 * x, 2 * y); });
+      test::float_grid(31, 24, [](int x, int y) { return test::rough_hills(2 * x, 2 * y); });
   Progress progress;
   const auto many = add_lines(grid, {.least_relief = 5}, progress);
   const auto few = add_lines(grid, {.least_relief = 40}, progress);
@@ -350,7 +291,7 @@ TEST(point_pyramid, holds_where_floats_do_not_tell) {
   for (int i = 0; i < 300; ++i) {
     const double x = 0.001 * static_cast<double>(random.below(60'000'000));
     const double y = 0.001 * static_cast<double>(random.below(60'000'000));
-    const double z = std::round(rough_hills(x / 1000, y / 1000));
+    const double z = std::round(test::rough_hills(x / 1000, y / 1000));
     for (const double step : {0.0, 0.001, 0.002}) fine.push_back({{x + step, y + 2 * step, z}});
   }
   for (const auto& [points, lattice] :
@@ -374,7 +315,7 @@ TEST(point_pyramid, lines_along_an_oblique_outline_are_whole_or_told) {
     const double s = random.uniform(0.01, 0.99);
     const double t = random.uniform(0.01, 0.99);
     points.push_back({{std::round(997 * s - 314 * t), std::round(313 * s + 696 * t),
-                       std::round(rough_hills(30 * s, 30 * t))}});
+                       std::round(test::rough_hills(30 * s, 30 * t))}});
   }
   Progress progress;
   const auto terrain = make_point_terrain(points, {{0, 0}, 1}, {}, {}, progress);
@@ -394,7 +335,7 @@ TEST(point_pyramid, lines_along_an_oblique_outline_are_whole_or_told) {
 
 /// Of the selector's triangles, too, that of a point on an edge on both sides.
 TEST(point_pyramid, triangles_state_errors_of_points_on_edges) {
-  for (const Case& c : cases())
+  for (const test::PointCase& c : test::point_cases())
     for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict}) {
       SCOPED_TRACE(c.name);
       Progress progress;

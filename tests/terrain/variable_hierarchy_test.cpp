@@ -10,6 +10,7 @@
 
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "lode/models/terrain/triangle_hierarchy/variable.h"
 #include "lode/refine/focus.h"
 #include "tests/terrain/hierarchy_fixtures.h"

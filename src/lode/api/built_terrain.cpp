@@ -104,6 +104,10 @@ Result<BuiltTerrain> BuiltTerrain::build(const PointTerrain& terrain,
   LODE_EXPECTS(is_of_any_points(options.model) && options.kept.empty());
   const HeightRange range = height_range(terrain.points);
   std::vector<double> levels = levels_of(options, range);
+  if (is_hierarchy(options.model)) {
+    LODE_TRY(auto made, HierarchyTerrain::build(terrain, options, levels, progress));
+    return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(made)));
+  }
   LODE_TRY(auto history, build_insertions(terrain, options.model, levels.back(), progress));
   history.sample_type = options.sample_type;
   history.has_place = options.has_place;

@@ -112,8 +112,8 @@ class BuiltTerrain {
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                             Progress& progress) const;
   /// The same of a model of points. Fails where it is of none, as that of a raster does where it is
-  /// of points. Of a model that is_hierarchy(), whether its lines are those of a raster with
-  /// features, and nothing more.
+  /// of points. Of a model of a raster that is_hierarchy(), whether its lines are those of the
+  /// raster with features, and nothing more.
   [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
                                             Progress& progress) const;
   /// What can be held against nothing but itself: that opening made all triangles again; of models

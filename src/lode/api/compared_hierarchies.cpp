@@ -9,6 +9,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "lode/models/terrain/triangle_hierarchy/locator.h"
 #include "lode/models/terrain/triangle_hierarchy/variable.h"
 

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "lode/api/lined_hierarchy.h"
+#include "lode/api/point_hierarchy.h"
 #include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "lode/models/terrain/triangle_hierarchy/variable.h"
 
 namespace lode {
@@ -30,13 +34,42 @@ HeightFrame fine_frame(const HeightFrame& frame, int bits) {
   return fine;
 }
 
+Result<void> refine_levels(const triangle_hierarchy::ReferenceSurface& surface, TerrainModel kind,
+                           const std::vector<double>& levels,
+                           const triangle_hierarchy::FirstMesh* first, Progress& progress,
+                           HierarchyModel& model) {
+  if (kind == TerrainModel::adaptive_triangulation) {
+    LODE_TRY(auto made, adaptive_triangulation::build(surface, levels, {}, progress, first));
+    model.kind = Kind::adaptive_triangulation;
+    model.hierarchy = std::move(made.hierarchy);
+  } else {
+    LODE_TRY(auto made, hierarchical_delaunay::build(surface, levels, {}, progress, first));
+    model.kind = Kind::hierarchical_delaunay;
+    model.hierarchy = std::move(made.hierarchy);
+  }
+  return {};
+}
+
+terrain_file::Source source_of_points(const PointTerrain& terrain,
+                                      const TerrainBuildOptions& options) {
+  terrain_file::Source source;
+  source.frame = terrain.points;
+  source.is_of_points = true;
+  source.range = height_range(terrain.points);
+  source.sample_type = options.sample_type;
+  source.has_place = options.has_place;
+  source.n_samples = terrain.points.nodes.size() - terrain.domain.n_left_out;
+  source.n_missing = terrain.n_missing;
+  source.n_left_out = terrain.domain.n_left_out + terrain.n_in_no_cell;
+  return source;
+}
+
 }  // namespace
 
-HierarchyTerrain::HierarchyTerrain(HierarchyModel model,
-                                   std::optional<triangle_hierarchy::FineGrid> grid)
+HierarchyTerrain::HierarchyTerrain(HierarchyModel model, Surface surface)
     : head_(head_of(model)),
       levels_(std::make_unique<LoadedLevels>(std::move(model.hierarchy))),
-      grid_(std::move(grid)),
+      surface_(std::move(surface)),
       fine_frame_(fine_frame(head_.source.frame, head_.bits)) {}
 
 HierarchyTerrain::HierarchyTerrain(hierarchy_file::HierarchyFile file)
@@ -50,22 +83,27 @@ Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
                                                  Progress& progress) {
   HierarchyModel model;
   LODE_TRY(model.source, source_of(grid, options));
-  LODE_TRY(auto fine, triangle_hierarchy::FineGrid::make(grid));
+  LODE_TRY(auto made, triangle_hierarchy::FineGrid::make(grid));
+  auto fine = std::make_unique<const triangle_hierarchy::FineGrid>(std::move(made));
   std::optional<triangle_hierarchy::FirstMesh> lined;
   if (options.lined) {
-    LODE_TRY(lined, first_mesh(*options.lined, fine, levels.front(), progress));
+    LODE_TRY(lined, first_mesh(*options.lined, *fine, levels.front(), progress));
   }
-  const triangle_hierarchy::FirstMesh* first = lined ? &*lined : nullptr;
-  if (options.model == TerrainModel::adaptive_triangulation) {
-    LODE_TRY(auto made, adaptive_triangulation::build(fine, levels, {}, progress, first));
-    model.kind = Kind::adaptive_triangulation;
-    model.hierarchy = std::move(made.hierarchy);
-  } else {
-    LODE_TRY(auto made, hierarchical_delaunay::build(fine, levels, {}, progress, first));
-    model.kind = Kind::hierarchical_delaunay;
-    model.hierarchy = std::move(made.hierarchy);
-  }
+  LODE_CHECK(
+      refine_levels(*fine, options.model, levels, lined ? &*lined : nullptr, progress, model));
   return HierarchyTerrain(std::move(model), std::move(fine));
+}
+
+Result<HierarchyTerrain> HierarchyTerrain::build(const PointTerrain& terrain,
+                                                 const TerrainBuildOptions& options,
+                                                 const std::vector<double>& levels,
+                                                 Progress& progress) {
+  HierarchyModel model;
+  model.source = source_of_points(terrain, options);
+  LODE_TRY(auto surface, surface_of(terrain, progress));
+  LODE_TRY(const auto first, first_mesh(terrain, *surface, levels.front(), progress));
+  LODE_CHECK(refine_levels(*surface, options.model, levels, &first, progress, model));
+  return HierarchyTerrain(std::move(model), std::move(surface));
 }
 
 Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path) {
@@ -140,10 +178,10 @@ Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& o
   const int n_levels = n_levels_for(focus, std::max(tolerance, finest));
   LODE_TRY(const LoadedLevels::Shared hierarchy, levels_->first(n_levels, progress));
   LODE_TRY(const auto chains, triangle_hierarchy::EdgeChains::find_in(*hierarchy));
-  selected.tin =
-      grid_ ? tin_of_demand(*hierarchy, chains, MeasuredPatches(*grid_), demand.demand(), n_levels)
-            : tin_of_demand(*hierarchy, chains, BoundedPatches(*hierarchy), demand.demand(),
-                            n_levels);
+  selected.tin = surface_ ? tin_of_demand(*hierarchy, chains, MeasuredPatches(*surface_),
+                                          demand.demand(), n_levels)
+                          : tin_of_demand(*hierarchy, chains, BoundedPatches(*hierarchy),
+                                          demand.demand(), n_levels);
   count_selection(source(), selected);
   report_focus(demand, fine_frame_, selected);
   report.max_error = std::max(tolerance, finest);
@@ -191,6 +229,7 @@ BuiltTerrainInfo HierarchyTerrain::describe_source() const {
   info.n_left_out = source().n_left_out;
   info.range = source().range;
   info.max_error = finest_error();
+  info.is_of_points = source().is_of_points;
   return info;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,22 +9,28 @@
 #include "lode/api/loaded_levels.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
-#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
+#include "lode/models/terrain/triangle_hierarchy/reference_surface.h"
 
 namespace lode {
 
 /// The models of triangles refined into triangulations. They have a mesh for each of their
-/// tolerances, and meshes of tolerances that vary. Vertices are nodes of a lattice finer than the
-/// raster. Of a file levels are read when they are asked for, and what is wrong with one is found
-/// then.
+/// tolerances, and meshes of tolerances that vary. Vertices are nodes of a lattice finer than that
+/// of the raster or the points. Of a file levels are read when they are asked for, and what is
+/// wrong with one is found then.
 class HierarchyTerrain final : public BuiltModel {
  public:
-  /// With the raster what is between levels is measured, and else bounded.
-  explicit HierarchyTerrain(hierarchy_file::HierarchyModel model,
-                            std::optional<triangle_hierarchy::FineGrid> grid = {});
+  using Surface = std::unique_ptr<const triangle_hierarchy::ReferenceSurface>;
+
+  /// With its raster or points what is between levels is measured, and else bounded.
+  explicit HierarchyTerrain(hierarchy_file::HierarchyModel model, Surface surface = {});
   explicit HierarchyTerrain(hierarchy_file::HierarchyFile file);
 
   [[nodiscard]] static Result<HierarchyTerrain> build(const HeightGrid& grid,
+                                                      const TerrainBuildOptions& options,
+                                                      const std::vector<double>& levels,
+                                                      Progress& progress);
+  /// Of scattered points, or of a raster with breaklines.
+  [[nodiscard]] static Result<HierarchyTerrain> build(const PointTerrain& terrain,
                                                       const TerrainBuildOptions& options,
                                                       const std::vector<double>& levels,
                                                       Progress& progress);
@@ -44,7 +49,7 @@ class HierarchyTerrain final : public BuiltModel {
   [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const override;
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                             Progress& progress) const override;
-  /// Of a raster with features: whether the lines are those.
+  /// Of points; of a raster with features alone: whether the lines are those.
   [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
                                             Progress& progress) const override;
   [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
@@ -72,7 +77,7 @@ class HierarchyTerrain final : public BuiltModel {
 
   hierarchy_file::Head head_;
   std::unique_ptr<LoadedLevels> levels_;
-  std::optional<triangle_hierarchy::FineGrid> grid_;  ///< Of the raster; files do not keep it.
+  Surface surface_;  ///< Files do not keep it.
   HeightFrame fine_frame_;
 };
 

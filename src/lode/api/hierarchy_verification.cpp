@@ -2,6 +2,7 @@
 
 #include "lode/api/hierarchy_terrain.h"
 #include "lode/api/lined_hierarchy.h"
+#include "lode/api/point_hierarchy.h"
 #include "lode/mappers/tin_quality.h"
 
 namespace lode {
@@ -40,10 +41,13 @@ Result<VerifyReport> HierarchyTerrain::verify(const HeightGrid& grid, Threads th
   return report;
 }
 
-Result<VerifyReport> HierarchyTerrain::verify(const PointTerrain& terrain, Threads /*threads*/,
+Result<VerifyReport> HierarchyTerrain::verify(const PointTerrain& terrain, Threads threads,
                                               Progress& progress) const {
   VerifyReport report;
+  if (source().is_of_points) LODE_CHECK(check_source(source(), terrain, report));
   LODE_TRY(const LoadedLevels::Shared hierarchy, all_levels(progress));
+  if (source().is_of_points)
+    LODE_CHECK(check_against_points(*hierarchy, terrain, threads, progress, report));
   LODE_CHECK(compare_lines(*hierarchy, terrain, report));
   return report;
 }

@@ -34,7 +34,7 @@ Result<History> build_insertions(const HeightGrid& grid, TerrainModel model, dou
 
 Result<History> build_insertions(const PointTerrain& terrain, TerrainModel model, double max_error,
                                  Progress& progress) {
-  LODE_EXPECTS(is_of_any_points(model));
+  LODE_EXPECTS(is_of_any_points(model) && !is_hierarchy(model));
   const delaunay_selector::SpatialOrder order(terrain.points, terrain.domain);
   const insertions::PointGround ground{.frame = terrain.points,
                                        .range = height_range(terrain.points),

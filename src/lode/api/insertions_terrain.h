@@ -57,7 +57,7 @@ class InsertionsTerrain final : public BuiltModel {
 [[nodiscard]] Result<insertions::History> build_insertions(const HeightGrid& grid,
                                                            TerrainModel model, double max_error,
                                                            Progress& progress);
-/// Of one that is_of_any_points().
+/// Of one that is_of_any_points(), and no is_hierarchy().
 [[nodiscard]] Result<insertions::History> build_insertions(const PointTerrain& terrain,
                                                            TerrainModel model, double max_error,
                                                            Progress& progress);

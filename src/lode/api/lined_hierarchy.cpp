@@ -44,8 +44,9 @@ std::vector<Line> lines_of(const Hierarchy& hierarchy) {
 
 }  // namespace
 
-Result<FirstMesh> first_mesh(const PointTerrain& lined, const triangle_hierarchy::FineGrid& grid,
-                             double tolerance, Progress& progress) {
+Result<FirstMesh> first_mesh(const PointTerrain& lined,
+                             const triangle_hierarchy::ReferenceSurface& surface, double tolerance,
+                             Progress& progress) {
   LODE_TRY(
       const delaunay_selector::Selection selected,
       select_points(lined.points, lined.domain,
@@ -56,7 +57,7 @@ Result<FirstMesh> first_mesh(const PointTerrain& lined, const triangle_hierarchy
   first.patch.triangles = tin.triangles;
   first.patch.places.reserve(tin.vertices.size());
   for (std::size_t v = 0; v < tin.vertices.size(); ++v)
-    first.patch.places.push_back({grid.fine(tin.vertices[v]), tin.heights[v]});
+    first.patch.places.push_back({surface.fine(tin.vertices[v]), tin.heights[v]});
   const auto vertex_at = [&](LatticePoint sample) {
     const auto found = std::ranges::lower_bound(tin.vertices, sample, is_before_in_rows);
     LODE_EXPECTS(found != tin.vertices.end() && *found == sample);
@@ -101,7 +102,9 @@ Result<void> compare_lines(const Hierarchy& hierarchy, const PointTerrain& lined
   const std::vector<Line> own = sorted(lines_of(hierarchy));
   std::vector<Line> other;
   std::ranges::set_symmetric_difference(own, wanted, std::back_inserter(other), is_before);
-  report.add("lines are those of the features", wanted.size(), other.size(),
+  const char* name =
+      hierarchy.is_of_points ? "lines are those of the terrain" : "lines are those of the features";
+  report.add(name, wanted.size(), other.size(),
              other.empty() ? ""
                            : fmt::format("{} here, {} there, {} of one alone", own.size(),
                                          wanted.size(), other.size()));

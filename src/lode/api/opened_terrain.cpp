@@ -204,6 +204,13 @@ Result<void> keep_features(const std::string& path, const TerrainReadOptions& re
   return {};
 }
 
+/// Whether a model of a raster is one of its samples and lines as points. Hierarchies of
+/// triangulations have features, which run between samples, without that.
+bool is_built_of_points(const TerrainReadOptions& reading, TerrainModel model) {
+  return reading.has_lines() && is_of_any_points(model) &&
+         (!is_hierarchy(model) || !reading.breaklines.empty());
+}
+
 /// A model of a raster itself, and not of its samples as points.
 Result<OpenedTerrain> build_of_raster(const std::string& path, const TerrainReadOptions& reading,
                                       const TerrainBuildOptions& building, io::HeightRaster read,
@@ -211,8 +218,8 @@ Result<OpenedTerrain> build_of_raster(const std::string& path, const TerrainRead
   if (!reading.breaklines.empty())
     return fail(
         "{}: expected no breaklines with a {}, got some: the delaunay_selector takes them, the "
-        "delaunay_pyramid, the ternary_triangulation and the implicit_delaunay_pyramid; other "
-        "models features",
+        "delaunay_pyramid, the ternary_triangulation, the implicit_delaunay_pyramid, the "
+        "adaptive_triangulation and the hierarchical_delaunay; other models features",
         path, name_of(building.model));
   TerrainBuildOptions options = building;
   options.sample_type = read.type;
@@ -240,7 +247,7 @@ Result<OpenedTerrain> open_raster(const std::string& path, const TerrainReadOpti
   TerrainFacts facts = lode::facts_of(read);
   LODE_TRY(const bool is_closed,
            naming(path, close_round(reading, read.grid, facts.goes_round), progress));
-  if (building && !(reading.has_lines() && is_of_any_points(building->model))) {
+  if (building && !is_built_of_points(reading, building->model)) {
     LODE_TRY(OpenedTerrain opened,
              build_of_raster(path, reading, *building, std::move(read), progress));
     opened.is_closed = is_closed;

@@ -167,6 +167,23 @@ Result<VerifyReport> verify_point_tin(const PointTerrain& terrain, const delauna
   return verify_of_points(terrain, tin, options, progress);
 }
 
+Result<VerifyReport> verify_fine_point_tin(const PointTerrain& terrain, const HeightPoints& fine,
+                                           const delaunay::Tin& tin, double max_error,
+                                           Threads threads, Progress& progress) {
+  const HeightRange range = height_range(fine);
+  const double rounding = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
+  LODE_TRY(const TinFacts facts,
+           check_fine_point_tin(tin, fine, terrain.domain.outline, terrain.domain.lines,
+                                fine.nodes.size() - terrain.domain.n_left_out, max_error + rounding,
+                                threads, progress));
+  const Vec<double, 2> at = fine.world(facts.worst.x, facts.worst.y);
+  VerifyReport report =
+      to_report(facts, max_error, TinShape::any, fmt::format("at {}, {}", at[0], at[1]));
+  // Of what vertices are.
+  report.checks.erase(report.checks.begin());
+  return report;
+}
+
 Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
                                     const TerrainVerifyOptions& options, Progress& progress) try {
   return verify_of_points(terrain, surface, options, progress);

@@ -51,7 +51,7 @@ inline constexpr std::array kBuiltTerrainModels{
 /// Whether it can be built of scattered points, and keep lines as edges.
 [[nodiscard]] constexpr bool is_of_any_points(TerrainModel model) {
   return model == TerrainModel::delaunay_pyramid || model == TerrainModel::ternary_triangulation ||
-         model == TerrainModel::implicit_delaunay_pyramid;
+         model == TerrainModel::implicit_delaunay_pyramid || is_hierarchy(model);
 }
 
 /// Whether its tolerances may vary.

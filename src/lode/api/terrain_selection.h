@@ -5,6 +5,7 @@
 
 namespace lode {
 
+struct HeightPoints;
 struct PointTerrain;
 
 /// A TIN with heights, and what is to be said of it but for slacks of coordinates.
@@ -36,5 +37,12 @@ struct SelectedTerrain {
 [[nodiscard]] Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin& tin,
                                                    std::int32_t scale, double max_error,
                                                    Threads threads, Progress& progress);
+
+/// The same of a TIN on a finer lattice than a terrain's points, which are `fine` there: but for
+/// what its vertices are, which need not be points.
+[[nodiscard]] Result<VerifyReport> verify_fine_point_tin(const PointTerrain& terrain,
+                                                         const HeightPoints& fine,
+                                                         const delaunay::Tin& tin, double max_error,
+                                                         Threads threads, Progress& progress);
 
 }  // namespace lode

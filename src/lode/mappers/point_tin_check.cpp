@@ -83,9 +83,16 @@ class PointTinChecker {
     }
   }
 
+  /// The same of vertices wherever they are.
+  void take_any(const delaunay::Tin& tin) {
+    triangles_ = tin.triangles;
+    nodes_ = tin.vertices;
+    heights_ = tin.heights;
+  }
+
   Result<TinFacts> run(std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples,
                        Threads threads, Progress& progress) {
-    facts_.n_vertices = numbers_.size();
+    facts_.n_vertices = nodes_.size();
     facts_.n_triangles = triangles_.size();
     if (facts_.n_off_samples > 0) return facts_;
     check_turns(triangles_, nodes_, facts_);
@@ -104,8 +111,8 @@ class PointTinChecker {
 
  private:
   void add_vertex(const std::optional<std::uint32_t>& point) {
-    numbers_.push_back(point.value_or(0));
-    nodes_.push_back(points_.nodes[numbers_.back()]);
+    nodes_.push_back(points_.nodes[point.value_or(0)]);
+    heights_.push_back(points_.heights[point.value_or(0)]);
     facts_.n_off_samples += static_cast<std::uint64_t>(!point.has_value());
   }
   /// What floats explain of a coordinate.
@@ -180,7 +187,7 @@ class PointTinChecker {
                std::vector<std::atomic<std::uint8_t>>& is_covered, Seen& seen) const {
     const std::array<LatticePoint, 3> at{nodes_[t[0]], nodes_[t[1]], nodes_[t[2]]};
     std::array<long double, 3> z{};
-    for (std::size_t i = 0; i < 3; ++i) z[i] = points_.heights[numbers_[t[i]]];
+    for (std::size_t i = 0; i < 3; ++i) z[i] = heights_[t[i]];
     const auto area = static_cast<long double>(delaunay::doubled_area(at[0], at[1], at[2]));
     const auto [left, right] = std::minmax({at[0].x, at[1].x, at[2].x});
     const auto [low, high] = std::minmax({at[0].y, at[1].y, at[2].y});
@@ -206,8 +213,8 @@ class PointTinChecker {
   double max_error_;
   long double slack_ = 0;  ///< Of errors, by rounding to 64 bits.
   std::vector<std::array<std::uint32_t, 3>> triangles_;
-  std::vector<std::uint32_t> numbers_;  ///< By vertex: its point.
-  std::vector<LatticePoint> nodes_;
+  std::vector<LatticePoint> nodes_;  ///< By vertex.
+  std::vector<double> heights_;
   TinFacts facts_;
 };
 
@@ -221,6 +228,16 @@ Result<TinFacts> check_point_tin(const Mesh& mesh, const HeightPoints& points,
                                  Progress& progress) {
   PointTinChecker checker(points, PointOutline(points, outline), max_error);
   checker.take(mesh);
+  return checker.run(lines, n_samples, threads, progress);
+}
+
+Result<TinFacts> check_fine_point_tin(const delaunay::Tin& tin, const HeightPoints& points,
+                                      std::span<const std::array<std::uint32_t, 2>> outline,
+                                      std::span<const std::array<std::uint32_t, 2>> lines,
+                                      std::uint64_t n_samples, double max_error, Threads threads,
+                                      Progress& progress) {
+  PointTinChecker checker(points, PointOutline(points, outline), max_error);
+  checker.take_any(tin);
   return checker.run(lines, n_samples, threads, progress);
 }
 

@@ -29,4 +29,11 @@ template <typename Mesh>
     std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples, double max_error,
     Threads threads, Progress& progress);
 
+/// The same of a TIN with heights whose vertices need not be points; both on one lattice.
+[[nodiscard]] Result<TinFacts> check_fine_point_tin(
+    const delaunay::Tin& tin, const HeightPoints& points,
+    std::span<const std::array<std::uint32_t, 2>> outline,
+    std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples, double max_error,
+    Threads threads, Progress& progress);
+
 }  // namespace lode

@@ -9,7 +9,7 @@
 #include "lode/core/expects.h"
 #include "lode/core/flat_index.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
-#include "lode/models/terrain/triangle_hierarchy/edge_profile.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "lode/models/terrain/triangle_hierarchy/hierarchy_builder.h"
 #include "lode/models/terrain/triangle_hierarchy/patch.h"
 
@@ -17,12 +17,12 @@ namespace lode::adaptive_triangulation {
 namespace {
 
 using triangle_hierarchy::EdgeSplit;
-using triangle_hierarchy::FineGrid;
 using triangle_hierarchy::FirstMesh;
 using triangle_hierarchy::HierarchyBuilder;
 using triangle_hierarchy::kNone;
 using triangle_hierarchy::Patch;
 using triangle_hierarchy::Place;
+using triangle_hierarchy::ReferenceSurface;
 using triangle_hierarchy::SampleErrors;
 
 /// A triangle of which it is not yet known whether it is split.
@@ -57,7 +57,7 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
 class LevelRefiner {
  public:
   LevelRefiner(HierarchyBuilder& builder, double tolerance, AdaptiveTriangulation& made)
-      : builder_(builder), limit_(tolerance + builder.grid().slack()), report_(made) {}
+      : builder_(builder), limit_(tolerance + builder.surface().slack()), report_(made) {}
 
   Result<std::vector<HierarchyBuilder::Made>> run(std::vector<Candidate> candidates,
                                                   Threads threads, Progress& progress) {
@@ -85,9 +85,9 @@ class LevelRefiner {
  private:
   void judge(Candidate& candidate) const {
     const auto corners = builder_.places(candidate.corner);
-    candidate.samples = measure_samples(builder_.grid(), corners, triangle_hierarchy::kNoEdges);
+    candidate.samples = builder_.surface().measure_samples(corners, triangle_hierarchy::kNoEdges);
     for (std::size_t i = 0; i < 3; ++i)
-      candidate.edges[i] = worst_crossing(builder_.grid(), corners[i], corners[(i + 1) % 3]);
+      candidate.edges[i] = builder_.surface().worst_crossing(corners[i], corners[(i + 1) % 3]);
   }
 
   void share_edges(Candidate& candidate) {
@@ -138,9 +138,9 @@ class LevelRefiner {
     }
     LODE_EXPECTS(least < 3);
     SharedEdge& edge = edges_[candidate.shared[least]];
-    edge.split = worst_crossing(builder_.grid(), builder_.place(candidate.corner[least]),
-                                builder_.place(candidate.corner[(least + 1) % 3]),
-                                triangle_hierarchy::Crossings::exact);
+    edge.split = builder_.surface().worst_crossing(
+        builder_.place(candidate.corner[least]), builder_.place(candidate.corner[(least + 1) % 3]),
+        triangle_hierarchy::Crossings::exact);
     edge.is_left = edge.split.error <= limit_;
     if (edge.is_left) ++report_.n_edges_left;
   }
@@ -171,7 +171,7 @@ class LevelRefiner {
     }
     if (split.rule == Rule::centre || split.rule == Rule::edge_and_centre) {
       const LatticePoint at = candidate.samples.at;
-      vertices[6] = builder_.add_vertex({at, builder_.grid().height(at)}, n_moves(candidate));
+      vertices[6] = builder_.add_vertex({at, builder_.surface().height(at)}, n_moves(candidate));
     }
     for (std::size_t t = 0; t < split.n_triangles; ++t) {
       Candidate child{.refined = candidate.refined};
@@ -207,8 +207,8 @@ std::vector<Candidate> patch_candidates(HierarchyBuilder& builder, const Patch& 
 /// The Delaunay selector's mesh: its vertices stand for the surface-specific points of the paper.
 Result<std::vector<Candidate>> first_candidates(HierarchyBuilder& builder, double limit,
                                                 Progress& progress) {
-  LODE_TRY(const auto selected, select_samples(builder.grid(), base_patch(builder.grid()), limit,
-                                               triangle_hierarchy::Outline::open, progress));
+  LODE_TRY(const auto selected, select_samples(builder.surface(), base_patch(builder.surface()),
+                                               limit, triangle_hierarchy::Outline::open, progress));
   return patch_candidates(builder, selected.patch);
 }
 
@@ -222,11 +222,12 @@ std::vector<Candidate> mesh_candidates(const HierarchyBuilder& builder, double l
 
 }  // namespace
 
-Result<AdaptiveTriangulation> build(const FineGrid& grid, std::span<const double> tolerances,
-                                    Threads threads, Progress& progress, const FirstMesh* first) {
+Result<AdaptiveTriangulation> build(const ReferenceSurface& surface,
+                                    std::span<const double> tolerances, Threads threads,
+                                    Progress& progress, const FirstMesh* first) {
   LODE_CHECK(triangle_hierarchy::check_tolerances(tolerances));
   AdaptiveTriangulation made;
-  HierarchyBuilder builder(grid);
+  HierarchyBuilder builder(surface);
   for (std::size_t level = 0; level < tolerances.size(); ++level) {
     progress.report("refining",
                     static_cast<double>(level) / static_cast<double>(tolerances.size()));
@@ -234,11 +235,11 @@ Result<AdaptiveTriangulation> build(const FineGrid& grid, std::span<const double
     LevelRefiner refiner(builder, tolerance, made);
     std::vector<Candidate> candidates;
     if (level > 0) {
-      candidates = mesh_candidates(builder, tolerance + grid.slack());
+      candidates = mesh_candidates(builder, tolerance + surface.slack());
     } else if (first != nullptr) {
       candidates = patch_candidates(builder, first->patch);
     } else {
-      LODE_TRY(candidates, first_candidates(builder, tolerance + grid.slack(), progress));
+      LODE_TRY(candidates, first_candidates(builder, tolerance + surface.slack(), progress));
     }
     LODE_TRY(const auto triangles, refiner.run(std::move(candidates), threads, progress));
     LODE_CHECK(builder.add_level(tolerance, triangles));
@@ -250,7 +251,7 @@ Result<AdaptiveTriangulation> build(const FineGrid& grid, std::span<const double
 
 Result<AdaptiveTriangulation> build(const HeightGrid& heights, std::span<const double> tolerances,
                                     Threads threads, Progress& progress) {
-  LODE_TRY(const FineGrid grid, FineGrid::make(heights));
+  LODE_TRY(const auto grid, triangle_hierarchy::FineGrid::make(heights));
   return build(grid, tolerances, threads, progress);
 }
 

@@ -7,6 +7,7 @@
 #include "lode/core/flat_index.h"
 #include "lode/models/terrain/hierarchical_delaunay/edge_refinement.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 #include "lode/models/terrain/triangle_hierarchy/hierarchy_builder.h"
 #include "lode/models/terrain/triangle_hierarchy/polygon.h"
 
@@ -48,15 +49,16 @@ struct Filled {
 };
 
 /// With errors of samples and edges.
-Filled with_errors(const FineGrid& grid, SelectedPatch selected) {
+Filled with_errors(const ReferenceSurface& surface, SelectedPatch selected) {
   Filled filled;
   const Patch& made = selected.patch;
   filled.errors.reserve(made.triangles.size());
   for (std::size_t t = 0; t < made.triangles.size(); ++t) {
     double error = selected.sample_errors[t];
     for (std::size_t i = 0; i < 3; ++i)
-      error = std::max(error, worst_crossing(grid, made.places[made.triangles[t][i]],
-                                             made.places[made.triangles[t][(i + 1) % 3]])
+      error = std::max(error, surface
+                                  .worst_crossing(made.places[made.triangles[t][i]],
+                                                  made.places[made.triangles[t][(i + 1) % 3]])
                                   .error);
     filled.errors.push_back(error);
   }
@@ -64,23 +66,24 @@ Filled with_errors(const FineGrid& grid, SelectedPatch selected) {
   return filled;
 }
 
-Result<Filled> fill(const FineGrid& grid, Patch patch, double limit, Outline outline,
+Result<Filled> fill(const ReferenceSurface& surface, Patch patch, double limit, Outline outline,
                     Progress& progress) {
   LODE_TRY(SelectedPatch selected,
-           select_samples(grid, std::move(patch), limit, outline, progress));
-  return with_errors(grid, std::move(selected));
+           select_samples(surface, std::move(patch), limit, outline, progress));
+  return with_errors(surface, std::move(selected));
 }
 
 /// Of a patch as it is.
-Filled measure(const FineGrid& grid, const Patch& patch) {
+Filled measure(const ReferenceSurface& surface, const Patch& patch) {
   SelectedPatch selected{.patch = patch, .sample_errors = {}};
   selected.sample_errors.reserve(patch.triangles.size());
   for (const auto& [a, b, c] : patch.triangles)
     selected.sample_errors.push_back(
-        measure_samples(grid, {patch.places[a], patch.places[b], patch.places[c]},
-                        triangle_hierarchy::kNoEdges)
+        surface
+            .measure_samples({patch.places[a], patch.places[b], patch.places[c]},
+                             triangle_hierarchy::kNoEdges)
             .closed);
-  return with_errors(grid, std::move(selected));
+  return with_errors(surface, std::move(selected));
 }
 
 class LevelBuilder {
@@ -89,7 +92,7 @@ class LevelBuilder {
                Threads threads)
       : builder_(builder),
         made_(made),
-        limit_(tolerance + builder.grid().slack()),
+        limit_(tolerance + builder.surface().slack()),
         threads_(threads) {}
 
   Result<std::vector<HierarchyBuilder::Made>> refine(Progress& progress) {
@@ -108,10 +111,10 @@ class LevelBuilder {
   Result<std::vector<HierarchyBuilder::Made>> start(const FirstMesh* first, Progress& progress) {
     Filled filled;
     if (first != nullptr) {
-      filled = measure(builder_.grid(), first->patch);
+      filled = measure(builder_.surface(), first->patch);
     } else {
-      LODE_TRY(filled,
-               fill(builder_.grid(), base_patch(builder_.grid()), limit_, Outline::open, progress));
+      LODE_TRY(filled, fill(builder_.surface(), base_patch(builder_.surface()), limit_,
+                            Outline::open, progress));
     }
     std::vector<HierarchyBuilder::Made> made;
     add(filled, kNone, {}, 0, made);
@@ -128,7 +131,7 @@ class LevelBuilder {
       const auto places = builder_.places(refined_[r].corner);
       for (std::size_t i = 0; i < 3; ++i)
         refined_[r].is_beyond[i] =
-            worst_crossing(builder_.grid(), places[i], places[(i + 1) % 3]).error > limit_;
+            builder_.surface().worst_crossing(places[i], places[(i + 1) % 3]).error > limit_;
     });
     FlatIndex numbers;
     for (Refined& refined : refined_)
@@ -145,7 +148,7 @@ class LevelBuilder {
   }
 
   void find_chain(RefinedEdge& edge) const {
-    edge.between = refine_edge(builder_.grid(), chain_place(edge.from), chain_place(edge.to),
+    edge.between = refine_edge(builder_.surface(), chain_place(edge.from), chain_place(edge.to),
                                limit_, edge.crossings);
   }
 
@@ -221,8 +224,8 @@ class LevelBuilder {
     std::vector<std::optional<Result<Filled>>> filled(refined_.size());
     parallel_for(refined_.size(), threads_, kGrain, [&](std::size_t r, int) {
       if (progress.is_cancelled()) return;
-      filled[r] =
-          fill(builder_.grid(), *std::move(*refined_[r].patch), limit_, Outline::fixed, progress);
+      filled[r] = fill(builder_.surface(), *std::move(*refined_[r].patch), limit_, Outline::fixed,
+                       progress);
     });
     std::vector<HierarchyBuilder::Made> made;
     for (std::size_t r = 0; r < refined_.size(); ++r) {
@@ -268,11 +271,12 @@ class LevelBuilder {
 
 }  // namespace
 
-Result<HierarchicalDelaunay> build(const FineGrid& grid, std::span<const double> tolerances,
-                                   Threads threads, Progress& progress, const FirstMesh* first) {
+Result<HierarchicalDelaunay> build(const ReferenceSurface& surface,
+                                   std::span<const double> tolerances, Threads threads,
+                                   Progress& progress, const FirstMesh* first) {
   LODE_CHECK(triangle_hierarchy::check_tolerances(tolerances));
   HierarchicalDelaunay made;
-  HierarchyBuilder builder(grid);
+  HierarchyBuilder builder(surface);
   for (std::size_t level = 0; level < tolerances.size(); ++level) {
     progress.report("refining",
                     static_cast<double>(level) / static_cast<double>(tolerances.size()));
@@ -289,7 +293,7 @@ Result<HierarchicalDelaunay> build(const FineGrid& grid, std::span<const double>
 
 Result<HierarchicalDelaunay> build(const HeightGrid& heights, std::span<const double> tolerances,
                                    Threads threads, Progress& progress) {
-  LODE_TRY(const FineGrid grid, FineGrid::make(heights));
+  LODE_TRY(const auto grid, triangle_hierarchy::FineGrid::make(heights));
   return build(grid, tolerances, threads, progress);
 }
 

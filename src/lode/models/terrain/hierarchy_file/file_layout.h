@@ -14,7 +14,7 @@ namespace lode::hierarchy_file {
 inline constexpr std::array<std::string_view, 2> kModelNames{"adaptive_triangulation",
                                                              "hierarchical_delaunay"};
 
-inline constexpr std::uint32_t kLayout = 3;
+inline constexpr std::uint32_t kLayout = 4;
 
 enum class Column : std::uint32_t {
   x = 1,            ///< int32 by vertex, in nodes of the fine lattice.
@@ -24,7 +24,8 @@ enum class Column : std::uint32_t {
   error = 5,        ///< float32 by triangle.
   refined = 6,      ///< uint32 by refinement: the triangle that it replaces.
   n_triangles = 7,  ///< uint32 by refinement: how many replace it.
-  line = 8          ///< uint32, two by line: vertices of level 0.
+  line = 8,         ///< uint32, two by line: vertices of level 0.
+  crowded = 9       ///< uint32 by crowded triangle: which.
 };
 
 [[nodiscard]] inline terrain_file::ColumnKey key_of(Column column) {

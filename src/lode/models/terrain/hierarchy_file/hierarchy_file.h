@@ -16,11 +16,11 @@ namespace lode::hierarchy_file {
 /// How triangles are refined.
 enum class Kind : std::uint8_t { adaptive_triangulation, hierarchical_delaunay };
 
-/// A hierarchy with what it remembers of the raster that it is of.
+/// A hierarchy with what it remembers of the raster or points that it is of.
 struct HierarchyModel {
   terrain_file::Source source;
   Kind kind = Kind::adaptive_triangulation;
-  triangle_hierarchy::Hierarchy hierarchy;  ///< Its frame is the source's.
+  triangle_hierarchy::Hierarchy hierarchy;  ///< Its frame is the source's, and its kind of samples.
 };
 
 /// What is known of a hierarchy before its vertices and triangles are: of levels, how many there
@@ -32,6 +32,7 @@ struct Head {
   int bits = 0;
   std::int32_t reach = 0;
   std::uint32_t n_lines = 0;
+  std::uint32_t n_crowded = 0;
   std::vector<std::uint32_t> vertices_until;
   std::vector<std::uint32_t> triangles_until;
   std::vector<std::uint32_t> refinements_until;
@@ -66,9 +67,9 @@ class HierarchyFile {
   /// not as docs/format.md says, naming the file and what was expected. Of what was read is known
   /// that
   /// - triangles turn left, and refinements are a forest by levels;
-  /// - the mesh of each level has two triangles at each edge but at those of its outline, which
-  ///   runs along columns and rows, is that of level 0, and goes round each place once at most: so
-  ///   the mesh covers what is inside once, without overlaps and cracks;
+  /// - the mesh of each level has two triangles at each edge but at those of its outline, which of
+  ///   a raster runs along columns and rows, is that of level 0, and goes round each place once at
+  ///   most: so the mesh covers what is inside once, without overlaps and cracks;
   /// - triangles say that they keep the tolerances of the levels whose meshes they are in.
   /// Heights, errors, and that lines are edges, are not found again: that is for verification.
   /// O(n log n) for each level and its n triangles.

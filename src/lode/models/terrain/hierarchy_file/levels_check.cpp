@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/hierarchy_file/outline.h"
+#include "lode/models/terrain/hierarchy_file/point_outline.h"
 
 namespace lode::hierarchy_file {
 namespace {
@@ -26,16 +28,10 @@ class LevelLinker {
   Result<void> link(int level) {
     first_ = level > 0 ? h_.triangles_until[static_cast<std::size_t>(level) - 1] : 0;
     LODE_CHECK(find_sides(level));
-    LODE_TRY(std::vector<OutlinePart> parts, link_sides(level));
-    auto outline = join_outline(std::move(parts));
-    if (!outline) return fail("level {}: {}", level, outline.error().message);
-    if (level == 0) {
-      if (!goes_round_once(*outline))
-        return fail("level 0: expected triangles that cover each place once, got some twice");
-      outline_ = *std::move(outline);
-    } else if (*outline != outline_) {
-      return fail("level {}: expected the outline of level 0, got another", level);
-    }
+    LODE_TRY(std::vector<OutlineEdge> edges, link_sides(level));
+    const auto checked = h_.is_of_points ? check_point_outline(level, std::move(edges))
+                                         : check_raster_outline(level, edges);
+    if (!checked) return fail("level {}: {}", level, checked.error().message);
     return {};
   }
 
@@ -63,9 +59,37 @@ class LevelLinker {
     return {};
   }
 
-  /// Returns those without another side.
-  Result<std::vector<OutlinePart>> link_sides(int level) {
+  Result<void> check_raster_outline(int level, const std::vector<OutlineEdge>& edges) {
     std::vector<OutlinePart> parts;
+    for (const auto& [from, to] : edges) {
+      LODE_TRY(const OutlinePart part, outline_part(from, to, h_.scale()));
+      parts.push_back(part);
+    }
+    LODE_TRY(std::vector<OutlinePart> outline, join_outline(std::move(parts)));
+    if (level == 0) {
+      if (!goes_round_once(outline))
+        return fail("expected triangles that cover each place once, got some twice");
+      outline_ = std::move(outline);
+    } else if (outline != outline_) {
+      return fail("expected the outline of level 0, got another");
+    }
+    return {};
+  }
+
+  Result<void> check_point_outline(int level, std::vector<OutlineEdge> edges) {
+    std::vector<OutlineEdge> outline = join_edges(std::move(edges));
+    if (level == 0) {
+      LODE_CHECK(check_goes_round_once(outline));
+      point_outline_ = std::move(outline);
+    } else if (outline != point_outline_) {
+      return fail("expected the outline of level 0, got another");
+    }
+    return {};
+  }
+
+  /// Returns those without another side.
+  Result<std::vector<OutlineEdge>> link_sides(int level) {
+    std::vector<OutlineEdge> edges;
     for (std::size_t i = 0; i < sides_.size();) {
       const Side& a = sides_[i];
       std::size_t n = 1;
@@ -78,14 +102,12 @@ class LevelLinker {
         set_twin(sides_[i + 1].half_edge, a.half_edge);
       } else {
         const auto& corner = h_.triangles[a.half_edge / 4].corner;
-        auto part = outline_part(h_.vertices[corner[a.half_edge % 4]],
-                                 h_.vertices[corner[(a.half_edge % 4 + 1) % 3]], h_.scale());
-        if (!part) return fail("level {}: {}", level, part.error().message);
-        parts.push_back(*part);
+        edges.push_back(
+            {h_.vertices[corner[a.half_edge % 4]], h_.vertices[corner[(a.half_edge % 4 + 1) % 3]]});
       }
       i += n;
     }
-    return parts;
+    return edges;
   }
 
   /// Of the level that made the triangle.
@@ -97,7 +119,8 @@ class LevelLinker {
   double size_;
   std::uint32_t first_ = 0;  ///< Triangle of the level.
   std::vector<Side> sides_;
-  std::vector<OutlinePart> outline_;
+  std::vector<OutlinePart> outline_;        ///< Of a raster.
+  std::vector<OutlineEdge> point_outline_;  ///< Of points.
 };
 
 }  // namespace

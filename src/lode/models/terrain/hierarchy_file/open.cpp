@@ -64,14 +64,20 @@ Result<Head> read_head(const store::Reader& reader) {
   store::ByteReader in(reader.metadata(), path + ": metadata");
   LODE_TRY(const auto layout, in.read<std::uint32_t>());
   if (layout != kLayout)
-    return fail("{}: metadata: expected layout {} of the model {}, got {}", path, kLayout,
-                reader.model(), layout);
+    return fail("{}: metadata: expected layout {} of the model {}, got {}: build the file again",
+                path, kLayout, reader.model(), layout);
   Head head;
+  LODE_TRY(const auto is_of_points, in.read<std::uint8_t>());
+  if (is_of_points > 1)
+    return fail("{}: metadata: expected a {} of a raster or of points, got kind {}", path,
+                reader.model(), is_of_points);
+  head.source.is_of_points = is_of_points != 0;
   LODE_CHECK(terrain_file::read(in, path, head.source));
   LODE_TRY(head.tolerances, terrain_file::read_levels(in, path));
   if (head.tolerances.empty()) return fail("{}: metadata: expected levels, got none", path);
   LODE_CHECK(read_lattice(in, path, head));
   LODE_TRY(head.n_lines, in.read<std::uint32_t>());
+  LODE_TRY(head.n_crowded, in.read<std::uint32_t>());
   LODE_TRY(head.vertices_until, in.read_all<std::uint32_t>(head.tolerances.size()));
   LODE_TRY(head.triangles_until, in.read_all<std::uint32_t>(head.tolerances.size()));
   LODE_TRY(head.refinements_until, in.read_all<std::uint32_t>(head.tolerances.size()));
@@ -80,6 +86,10 @@ Result<Head> read_head(const store::Reader& reader) {
   LODE_CHECK(check_rising(path, "triangles", head.triangles_until, 1, kMostTriangles));
   LODE_CHECK(check_rising(path, "refinements", head.refinements_until, 0,
                           head.triangles_until.back() - 1));
+  const std::uint32_t most = head.source.is_of_points ? head.refinements_until.back() : 0;
+  if (head.n_crowded > most)
+    return fail("{}: metadata: expected up to {} refined triangles with points beside them, got {}",
+                path, most, head.n_crowded);
   return head;
 }
 
@@ -203,6 +213,19 @@ Result<void> read_lines(const store::Reader& reader, std::uint64_t n, Hierarchy&
   return {};
 }
 
+/// That others have no points beside them is for verification to say.
+Result<void> read_crowded(const store::Reader& reader, std::uint64_t n, std::uint32_t n_triangles,
+                          Hierarchy& h) {
+  LODE_TRY(h.crowded, read_first<std::uint32_t>(reader, Column::crowded, n, n));
+  for (std::size_t i = 0; i < h.crowded.size(); ++i)
+    if (h.crowded[i] >= n_triangles || (i > 0 && h.crowded[i] <= h.crowded[i - 1]))
+      return fail(
+          "{}: expected triangles with points beside them that ascend, below {}, got {} as number "
+          "{}",
+          reader.path(), n_triangles, h.crowded[i], i);
+  return {};
+}
+
 }  // namespace
 
 HierarchyFile::HierarchyFile(store::Reader reader, Head head)
@@ -221,6 +244,7 @@ Result<HierarchyModel> HierarchyFile::read(int n_levels, Progress& progress) con
   HierarchyModel model{.source = head_.source, .kind = head_.kind, .hierarchy = {}};
   Hierarchy& h = model.hierarchy;
   h.frame = head_.source.frame;
+  h.is_of_points = head_.source.is_of_points;
   h.bits = head_.bits;
   h.reach = head_.reach;
   h.tolerances.assign(head_.tolerances.begin(), head_.tolerances.begin() + n_levels);
@@ -231,6 +255,7 @@ Result<HierarchyModel> HierarchyFile::read(int n_levels, Progress& progress) con
   LODE_CHECK(read_triangles(reader_, head_, h));
   LODE_CHECK(read_refinements(reader_, head_, h));
   LODE_CHECK(read_lines(reader_, head_.n_lines, h));
+  LODE_CHECK(read_crowded(reader_, head_.n_crowded, head_.triangles_until.back(), h));
   const HeightRange& range = head_.source.range;
   const double size = std::max(std::abs(range.lower), std::abs(range.upper));
   auto linked = link_levels(h, size, progress);

@@ -15,11 +15,13 @@ using triangle_hierarchy::Hierarchy;
 std::vector<std::byte> encode(const Head& head) {
   store::ByteWriter out;
   out.write(kLayout);
+  out.write(static_cast<std::uint8_t>(head.source.is_of_points));
   terrain_file::write(out, head.source);
   terrain_file::write_levels(out, head.tolerances);
   out.write(static_cast<std::uint32_t>(head.bits));
   out.write(head.reach);
   out.write(head.n_lines);
+  out.write(head.n_crowded);
   out.write_all(std::span<const std::uint32_t>(head.vertices_until));
   out.write_all(std::span<const std::uint32_t>(head.triangles_until));
   out.write_all(std::span<const std::uint32_t>(head.refinements_until));
@@ -66,6 +68,12 @@ Result<void> append_lines(const Hierarchy& h, store::Writer& writer) {
       [&](std::uint64_t i) { return h.lines[i / 2][i % 2]; }, writer);
 }
 
+Result<void> append_crowded(const Hierarchy& h, store::Writer& writer) {
+  return append_column<std::uint32_t>(
+      key_of(Column::crowded), h.crowded.size(), [&](std::uint64_t i) { return h.crowded[i]; },
+      writer);
+}
+
 }  // namespace
 
 Head head_of(const HierarchyModel& model) {
@@ -76,6 +84,7 @@ Head head_of(const HierarchyModel& model) {
             .bits = h.bits,
             .reach = h.reach,
             .n_lines = static_cast<std::uint32_t>(h.lines.size()),
+            .n_crowded = static_cast<std::uint32_t>(h.crowded.size()),
             .vertices_until = h.vertices_until,
             .triangles_until = h.triangles_until,
             .refinements_until = {}};
@@ -92,6 +101,7 @@ std::uint64_t Head::n_bytes() const {
       sizeof(triangle_hierarchy::LatticePoint) + sizeof(double) + sizeof(std::uint32_t);
   return vertices_until.back() * kOfVertex + triangles_until.back() * sizeof(Triangle) +
          refinements_until.back() * sizeof(Refinement) + n_lines * 2 * sizeof(std::uint32_t) +
+         n_crowded * sizeof(std::uint32_t) +
          tolerances.size() * (sizeof(double) + 2 * sizeof(std::uint32_t));
 }
 
@@ -105,6 +115,7 @@ Result<std::uint64_t> save(const HierarchyModel& model, const std::string& path,
   LODE_CHECK(append_triangles(model.hierarchy, writer));
   LODE_CHECK(append_refinements(model.hierarchy, writer));
   LODE_CHECK(append_lines(model.hierarchy, writer));
+  LODE_CHECK(append_crowded(model.hierarchy, writer));
   return writer.finish(progress);
 }
 

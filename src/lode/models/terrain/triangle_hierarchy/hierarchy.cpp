@@ -34,7 +34,7 @@ Bounds bounds_of(const Hierarchy& hierarchy, std::uint32_t triangle) {
 std::uint64_t Hierarchy::n_bytes() const {
   return vertices.size() * (sizeof(vertices[0]) + sizeof(heights[0]) + sizeof(in_rows[0])) +
          triangles.size() * sizeof(triangles[0]) + refinements.size() * sizeof(refinements[0]) +
-         lines.size() * sizeof(lines[0]) +
+         lines.size() * sizeof(lines[0]) + crowded.size() * sizeof(crowded[0]) +
          tolerances.size() * (sizeof(tolerances[0]) + 2 * sizeof(vertices_until[0]));
 }
 

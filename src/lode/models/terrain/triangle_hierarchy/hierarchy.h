@@ -39,6 +39,9 @@ struct Hierarchy {
   };
 
   HeightFrame frame;
+  /// Of scattered points, or of a raster with breaklines: any nodes of the frame's lattice may be
+  /// samples, and the outline goes from one to another. Else each one of the domain is a sample.
+  bool is_of_points = false;
   int bits = 0;                    ///< Columns and rows are 2^bits nodes of the lattice apart.
   std::vector<double> tolerances;  ///< Of the levels, each smaller than the one before.
   /// Nodes of the fine lattice, in the order of levels; what levels share they share as numbers.
@@ -47,9 +50,14 @@ struct Hierarchy {
   std::vector<std::uint32_t> in_rows;  ///< All vertices, as they lie in rows.
   std::vector<Triangle> triangles;     ///< By levels, and there by refinements.
   std::vector<Refinement> refinements;
-  /// From vertex to vertex of level 0, both samples, along rows, columns or diagonals: in every
-  /// level's mesh each is an edge, or a chain of edges on it.
+  /// From vertex to vertex of level 0, both samples; of a raster along rows, columns or diagonals,
+  /// of points along edges of the triangulation of all: in every level's mesh each is an edge, or a
+  /// chain of edges on it.
   std::vector<std::array<std::uint32_t, 2>> lines;
+  /// Of points: those refined triangles that have some beside them, out of them but within `reach`
+  /// of them, so that what refines them may have come to lie over these; ascending. Of rasters
+  /// none, as it is known where samples are.
+  std::vector<std::uint32_t> crowded;
   /// How many of each there are up to a level, that with it.
   std::vector<std::uint32_t> vertices_until;
   std::vector<std::uint32_t> triangles_until;

@@ -22,9 +22,10 @@ Result<void> check_tolerances(std::span<const double> tolerances) {
   return {};
 }
 
-HierarchyBuilder::HierarchyBuilder(const FineGrid& grid) : grid_(grid) {
-  made_.frame = grid.frame();
-  made_.bits = grid.bits();
+HierarchyBuilder::HierarchyBuilder(const ReferenceSurface& surface) : surface_(surface) {
+  made_.frame = surface.frame();
+  made_.is_of_points = surface.is_of_points();
+  made_.bits = surface.bits();
 }
 
 std::uint32_t HierarchyBuilder::add_vertex(const Place& place, std::int32_t n_moves) {
@@ -53,7 +54,7 @@ Result<void> HierarchyBuilder::add_level(double tolerance, std::span<const Made>
     made_.triangles.push_back(
         {.corner = triangle.corner,
          .twin = {delaunay::kNoHalfEdge, delaunay::kNoHalfEdge, delaunay::kNoHalfEdge},
-         .error = delaunay::to_float_above(triangle.sample_error + grid_.rounding())});
+         .error = delaunay::to_float_above(triangle.sample_error + surface_.rounding())});
     errors_.push_back(triangle.error);
   }
   refine_mesh(first);
@@ -86,6 +87,17 @@ void HierarchyBuilder::link(std::uint32_t first) {
   }
 }
 
+/// Those that no refinement replaces never stand between levels.
+void HierarchyBuilder::find_crowded() {
+  for (std::uint32_t t = 0; t < made_.triangles.size(); ++t) {
+    if (made_.triangles[t].refinement == kNone) continue;
+    const auto& [a, b, c] = made_.triangles[t].corner;
+    if (surface_.has_samples_beside({made_.vertices[a], made_.vertices[b], made_.vertices[c]},
+                                    made_.reach))
+      made_.crowded.push_back(t);
+  }
+}
+
 Hierarchy HierarchyBuilder::finish() {
   made_.in_rows.resize(made_.vertices.size());
   std::iota(made_.in_rows.begin(), made_.in_rows.end(), 0U);
@@ -94,6 +106,7 @@ Hierarchy HierarchyBuilder::finish() {
   });
   // Half a node each, and one for good measure.
   for (const std::int32_t n : n_moves_) made_.reach = std::max(made_.reach, n / 2 + 1);
+  if (made_.is_of_points) find_crowded();
   return std::move(made_);
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lode/models/terrain/triangle_hierarchy/hierarchy.h"
-#include "lode/models/terrain/triangle_hierarchy/triangle_samples.h"
+#include "lode/models/terrain/triangle_hierarchy/reference_surface.h"
 
 namespace lode::triangle_hierarchy {
 
@@ -23,10 +23,10 @@ class HierarchyBuilder {
     double error = 0;  ///< With its edges: what a later level looks at.
   };
 
-  /// The grid must outlive this.
-  explicit HierarchyBuilder(const FineGrid& grid);
+  /// The surface must outlive this.
+  explicit HierarchyBuilder(const ReferenceSurface& surface);
 
-  [[nodiscard]] const FineGrid& grid() const { return grid_; }
+  [[nodiscard]] const ReferenceSurface& surface() const { return surface_; }
   /// Moves: how often the place, or one of those that it hangs on, has been moved onto the lattice.
   std::uint32_t add_vertex(const Place& place, std::int32_t n_moves);
   [[nodiscard]] std::size_t n_vertices() const { return made_.vertices.size(); }
@@ -53,8 +53,9 @@ class HierarchyBuilder {
  private:
   void refine_mesh(std::uint32_t first);
   void link(std::uint32_t first);
+  void find_crowded();
 
-  const FineGrid& grid_;
+  const ReferenceSurface& surface_;
   Hierarchy made_;
   std::vector<std::int32_t> n_moves_;  ///< By vertex.
   std::vector<double> errors_;         ///< By triangle.

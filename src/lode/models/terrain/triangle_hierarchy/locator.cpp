@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "lode/delaunay/tin_links.h"
+#include "lode/models/terrain/triangle_hierarchy/triangle_box.h"
 
 namespace lode::triangle_hierarchy {
 namespace {
@@ -12,32 +13,6 @@ namespace {
 using delaunay::Point;
 
 Point to_point(LatticePoint p) { return {{static_cast<double>(p.x), static_cast<double>(p.y)}}; }
-
-struct FineBox {
-  std::int64_t x_low, y_low, x_high, y_high;
-};
-
-/// Whether all corners are to the right of an edge of the box, or all of the box to the right of
-/// one of theirs: exactly, for coordinates of at most 31 bits.
-bool is_apart(const std::array<LatticePoint, 3>& corners, const FineBox& box) {
-  const auto all = [&](auto&& is_out) { return std::ranges::all_of(corners, is_out); };
-  if (all([&](LatticePoint p) { return p.x < box.x_low; }) ||
-      all([&](LatticePoint p) { return p.x > box.x_high; }) ||
-      all([&](LatticePoint p) { return p.y < box.y_low; }) ||
-      all([&](LatticePoint p) { return p.y > box.y_high; }))
-    return true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const LatticePoint a = corners[i];
-    const LatticePoint b = corners[(i + 1) % 3];
-    const std::int64_t dx = std::int64_t{b.x} - a.x;
-    const std::int64_t dy = std::int64_t{b.y} - a.y;
-    // The box's corner furthest to the left of the edge.
-    const std::int64_t x = dy > 0 ? box.x_low : box.x_high;
-    const std::int64_t y = dx > 0 ? box.y_high : box.y_low;
-    if (dx * (y - a.y) - dy * (x - a.x) < 0) return true;
-  }
-  return false;
-}
 
 }  // namespace
 

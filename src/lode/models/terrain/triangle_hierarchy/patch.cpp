@@ -6,31 +6,28 @@
 
 #include "lode/core/flat_index.h"
 #include "lode/delaunay/lattice_mesh.h"
-#include "lode/delaunay/triangle_rows.h"
 
 namespace lode::triangle_hierarchy {
 namespace {
 
 /// Samples in the triangles, those on edges more than once.
-std::size_t count_samples(const FineGrid& grid, const Patch& patch) {
+std::size_t count_samples_in(const ReferenceSurface& surface, const Patch& patch) {
   std::size_t n = 0;
   for (const auto& t : patch.triangles)
-    for (delaunay::SparseRows rows(patch.places[t[0]].at, patch.places[t[1]].at,
-                                   patch.places[t[2]].at, grid.bits());
-         rows.has_row(); rows.next())
-      n += static_cast<std::size_t>(std::max(0, rows.last() - rows.first() + 1));
+    n += surface.count_samples(
+        {patch.places[t[0]].at, patch.places[t[1]].at, patch.places[t[2]].at});
   return n;
 }
 
 class PatchSelector {
  public:
-  PatchSelector(const FineGrid& grid, Patch patch, double limit, Outline outline)
-      : grid_(grid), patch_(std::move(patch)), limit_(limit), outline_(outline) {}
+  PatchSelector(const ReferenceSurface& surface, Patch patch, double limit, Outline outline)
+      : surface_(surface), patch_(std::move(patch)), limit_(limit), outline_(outline) {}
 
   Result<SelectedPatch> run(Progress& progress) {
     // Where the mesh looks up places: as many as there may ever be.
     std::vector<LatticePoint> nodes;
-    nodes.reserve(patch_.places.size() + count_samples(grid_, patch_));
+    nodes.reserve(patch_.places.size() + count_samples_in(surface_, patch_));
     for (const Place& place : patch_.places) nodes.push_back(place.at);
     nodes.resize(nodes.capacity());
     delaunay::PointMesh mesh(delaunay::ListedNodes{nodes}, patch_.triangles);
@@ -43,7 +40,7 @@ class PatchSelector {
         return cancelled_error();
       const auto node = static_cast<std::uint32_t>(patch_.places.size());
       nodes[node] = worst.at;
-      patch_.places.push_back({worst.at, grid_.height(worst.at)});
+      patch_.places.push_back({worst.at, surface_.height(worst.at)});
       const auto made = mesh.insert(node, worst.triangle);
       errors_.resize(mesh.triangles().size());
       for (const std::uint32_t t : made) judge(mesh, t);
@@ -83,11 +80,10 @@ class PatchSelector {
       for (unsigned i = 0; i < 3; ++i)
         if (triangle.twin[i] == delaunay::kNoHalfEdge)
           open = static_cast<EdgeSet>(open & ~(1U << i));
-    errors_[t] =
-        measure_samples(grid_,
-                        {patch_.places[triangle.corner[0]], patch_.places[triangle.corner[1]],
-                         patch_.places[triangle.corner[2]]},
-                        open);
+    errors_[t] = surface_.measure_samples(
+        {patch_.places[triangle.corner[0]], patch_.places[triangle.corner[1]],
+         patch_.places[triangle.corner[2]]},
+        open);
     if (errors_[t].inner <= limit_) return;
     queue_.push_back({errors_[t].inner, errors_[t].at, t});
     std::push_heap(queue_.begin(), queue_.end());
@@ -104,7 +100,7 @@ class PatchSelector {
     return made;
   }
 
-  const FineGrid& grid_;
+  const ReferenceSurface& surface_;
   Patch patch_;
   double limit_;
   Outline outline_;
@@ -114,10 +110,10 @@ class PatchSelector {
 
 }  // namespace
 
-Patch base_patch(const FineGrid& grid) {
+Patch base_patch(const ReferenceSurface& surface) {
   Patch patch;
   FlatIndex numbers;
-  for (const auto& corners : grid.base()) {
+  for (const auto& corners : surface.base()) {
     std::array<std::uint32_t, 3> triangle{};
     for (std::size_t i = 0; i < 3; ++i) {
       const auto key = (std::uint64_t{static_cast<std::uint32_t>(corners[i].y)} << 32) |
@@ -126,16 +122,16 @@ Patch base_patch(const FineGrid& grid) {
       if (triangle[i] != FlatIndex::kNone) continue;
       triangle[i] = static_cast<std::uint32_t>(patch.places.size());
       numbers.insert(key, triangle[i]);
-      patch.places.push_back({corners[i], grid.height(corners[i])});
+      patch.places.push_back({corners[i], surface.height(corners[i])});
     }
     patch.triangles.push_back(triangle);
   }
   return patch;
 }
 
-Result<SelectedPatch> select_samples(const FineGrid& grid, Patch patch, double limit,
+Result<SelectedPatch> select_samples(const ReferenceSurface& surface, Patch patch, double limit,
                                      Outline outline, Progress& progress) {
-  return PatchSelector(grid, std::move(patch), limit, outline).run(progress);
+  return PatchSelector(surface, std::move(patch), limit, outline).run(progress);
 }
 
 }  // namespace lode::triangle_hierarchy

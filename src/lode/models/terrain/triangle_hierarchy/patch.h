@@ -6,7 +6,7 @@
 
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
-#include "lode/models/terrain/triangle_hierarchy/triangle_samples.h"
+#include "lode/models/terrain/triangle_hierarchy/reference_surface.h"
 
 namespace lode::triangle_hierarchy {
 
@@ -16,10 +16,10 @@ struct Patch {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// The coarsest triangulation of a grid's domain.
-[[nodiscard]] Patch base_patch(const FineGrid& grid);
+/// The coarsest triangulation of a surface's domain.
+[[nodiscard]] Patch base_patch(const ReferenceSurface& surface);
 
-/// A mesh of a grid's domain for level 0, in place of the selector's from the coarsest one. Its
+/// A mesh of a surface's domain for level 0, in place of the selector's from the coarsest one. Its
 /// places are samples; each line is an edge of it, or a chain of edges on it: see Hierarchy::lines.
 struct FirstMesh {
   Patch patch;
@@ -39,7 +39,8 @@ struct SelectedPatch {
 /// again and again, until all that may be are within the limit; edges but the outline's stay
 /// Delaunay. Of samples with equal errors the first in rows. The patch is constrained Delaunay.
 /// O(N n log n) in the worst case for N samples, n of them inserted. Fails when cancelled.
-[[nodiscard]] Result<SelectedPatch> select_samples(const FineGrid& grid, Patch patch, double limit,
-                                                   Outline outline, Progress& progress);
+[[nodiscard]] Result<SelectedPatch> select_samples(const ReferenceSurface& surface, Patch patch,
+                                                   double limit, Outline outline,
+                                                   Progress& progress);
 
 }  // namespace lode::triangle_hierarchy

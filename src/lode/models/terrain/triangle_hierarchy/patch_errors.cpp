@@ -50,12 +50,13 @@ std::vector<double> MeasuredPatches::of(std::uint32_t /*triangle*/, const Patch&
   std::vector<double> errors;
   for (const auto& [a, b, c] : patch.triangles) {
     double error =
-        measure_samples(grid_, {patch.places[a], patch.places[b], patch.places[c]}, kNoEdges)
+        surface_.measure_samples({patch.places[a], patch.places[b], patch.places[c]}, kNoEdges)
             .closed;
     for (const auto& [from, to] : {std::array{a, b}, {b, c}, {c, a}})
       if ((from + 1) % patch.places.size() != to)
-        error = std::max(error, worst_crossing(grid_, patch.places[from], patch.places[to]).error);
-    errors.push_back(error + grid_.rounding());
+        error =
+            std::max(error, surface_.worst_crossing(patch.places[from], patch.places[to]).error);
+    errors.push_back(error + surface_.rounding());
   }
   return errors;
 }
@@ -83,6 +84,11 @@ std::vector<double> BoundedPatches::of(std::uint32_t triangle, const Patch& patc
 /// from the edge's first end to the parts of the chain.
 bool BoundedPatches::has_node_outside(std::uint32_t triangle, const Patch& patch) const {
   const std::array<Place, 3> corners = places_of(hierarchy_, triangle);
+  // Nodes of the points' lattice are many, and few of them have a point.
+  if (hierarchy_.is_of_points)
+    return std::ranges::binary_search(hierarchy_.crowded, triangle) &&
+           std::ranges::any_of(patch.places,
+                               [&](const Place& place) { return is_outside(corners, place.at); });
   const std::size_t n = patch.places.size();
   std::size_t side = 0;
   for (std::size_t i = 0; i < n; ++i) {

@@ -23,23 +23,24 @@ class PatchErrors {
                                                const Patch& patch) const = 0;
 };
 
-/// At all samples in a triangle, and where edges that are none of the triangle's chains cross
-/// columns and rows: a sliver between vertices of a chain has no samples, and may be a wall.
+/// At all samples in a triangle, and at crossings of edges that are none of the triangle's chains:
+/// a sliver between vertices of a chain has no samples, and may be a wall.
 class MeasuredPatches final : public PatchErrors {
  public:
-  /// Of the raster that the hierarchy was built of; must outlive this.
-  explicit MeasuredPatches(const FineGrid& grid) : grid_(grid) {}
+  /// Of the raster or points that the hierarchy was built of; must outlive this.
+  explicit MeasuredPatches(const ReferenceSurface& surface) : surface_(surface) {}
 
   [[nodiscard]] std::vector<double> of(std::uint32_t triangle, const Patch& patch) const override;
 
  private:
-  const FineGrid& grid_;
+  const ReferenceSurface& surface_;
 };
 
-/// Without the raster, from what the triangle says of itself: a sample in it errs by no more than
-/// that, and the patch is nowhere farther from its plane than at the corners of the patch's
-/// triangle. Twice what is measured, or so. Chains that were moved onto the lattice may reach out
-/// of the triangle; where a node of the raster lies between them and the edge nothing is known.
+/// Without the raster or points, from what the triangle says of itself: a sample in it errs by no
+/// more than that, and the patch is nowhere farther from its plane than at the corners of the
+/// patch's triangle. Twice what is measured, or so. Chains that were moved onto the lattice may
+/// reach out of the triangle; where a node of the raster lies between them and the edge, or of
+/// points one may (Hierarchy::crowded), nothing is known.
 class BoundedPatches final : public PatchErrors {
  public:
   /// The hierarchy must outlive this. O(vertices).

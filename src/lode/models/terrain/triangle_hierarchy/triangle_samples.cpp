@@ -6,25 +6,6 @@
 #include "lode/delaunay/triangle_rows.h"
 
 namespace lode::triangle_hierarchy {
-namespace {
-
-/// Twice the areas between a sample and the edges, exactly.
-struct Weights {
-  std::array<std::int64_t, 3> of_edge;
-
-  /// Inside, or on one edge, which is open.
-  [[nodiscard]] bool may_be_inserted(EdgeSet open) const {
-    int n_on = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      if (of_edge[i] == 0) {
-        if ((open >> i & 1) == 0) return false;
-        ++n_on;
-      }
-    return n_on < 2;
-  }
-};
-
-}  // namespace
 
 SampleErrors measure_samples(const FineGrid& grid, const std::array<Place, 3>& corners,
                              EdgeSet open) {
@@ -51,12 +32,20 @@ SampleErrors measure_samples(const FineGrid& grid, const std::array<Place, 3>& c
       const double error = std::abs(grid.sample(x, rows.y()) - (corners[0].height + rise));
       if (error <= made.inner) continue;
       made.closed = std::max(made.closed, error);
-      if (!Weights{{first, area - first - last, last}}.may_be_inserted(open)) continue;
+      if (!SampleWeights{{first, area - first - last, last}}.may_be_inserted(open)) continue;
       made.inner = error;
       made.at = grid.fine({x, rows.y()});
     }
   }
   return made;
+}
+
+std::size_t count_samples(const FineGrid& grid, const std::array<LatticePoint, 3>& corners) {
+  std::size_t n = 0;
+  for (delaunay::SparseRows rows(corners[0], corners[1], corners[2], grid.bits()); rows.has_row();
+       rows.next())
+    n += static_cast<std::size_t>(std::max(0, rows.last() - rows.first() + 1));
+  return n;
 }
 
 }  // namespace lode::triangle_hierarchy
