@@ -239,6 +239,12 @@ TEST_P(cli_hierarchy_model, is_built_of_scattered_points_and_asked) {
   EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
   EXPECT_NE(against.out.find("within 1: samples are within the error"), std::string::npos);
   EXPECT_NE(against.out.find("vertices are on the triangulation of all points"), std::string::npos);
+  const auto& levels = built.at("levels");
+  EXPECT_EQ(run_oracle(LODE_HIERARCHY_READER, "'" + model_ + "' '" + points + "'"),
+            "vertices " + built.at("vertices").dump() + " triangles " +
+                built.at("triangles_ever").dump() + " levels [" + levels[0].at("triangles").dump() +
+                ", " + levels[1].at("triangles").dump() + ", " + levels[2].at("triangles").dump() +
+                "]\n");
   // Of another domain, and of another height at one place.
   EXPECT_NE(run_lode({"verify", model_, "--against", points, "--duplicates", "min"}).exit_code, 0);
   EXPECT_NE(
