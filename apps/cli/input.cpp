@@ -141,8 +141,7 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   add("--solution", arguments.solution, "FILE",
       "Of a MEDIT mesh: .sol or .solb with values at its vertices (default: that of its name)");
   add("--placement", arguments.placement, "half-edge|midpoint",
-      "Of a mesh of cells that is built: where edges collapse to (default: one of their ends); "
-      "midpoints are of one field");
+      "Of a mesh of cells that is built: where edges collapse to (default: one of their ends)");
   add("--order", arguments.order, "error|space|quadric",
       "Of a mesh of cells that is built: which edges collapse first, those that add least to "
       "errors "

@@ -218,8 +218,6 @@ Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading, Thre
   else if (!reading.placement.empty() && reading.placement != "half-edge")
     return fail("--placement: expected half-edge or midpoint, got '{}'", reading.placement);
   if (options.placement == Placement::half_edge) return options;
-  if (!reading.with.empty())
-    return fail("--with: expected none with --placement midpoint, which takes one field");
   if (options.order != CollapseOrder::squared_error)
     return fail("--order: expected 'error' with --placement midpoint, got another");
   return options;

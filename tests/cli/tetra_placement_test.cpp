@@ -379,6 +379,80 @@ TEST_F(cli_tetra_placement, has_files_of_real_meshes_that_verify_within_24_bytes
   }
 }
 
+/// Of one mesh, in memory and from a file: values, errors, colours and pictures of another field.
+TEST_F(cli_tetra_placement, takes_several_fields) {
+  SimplexMesh mesh = noise();
+  Attribute tilt{.name = "tilt", .values = {}};
+  const auto height = [](double x, double y, double z) { return 3 * x - 2 * y + 0.5 * z + 7; };
+  for (const Vec3d& p : mesh.positions) tilt.values.push_back(height(p[0], p[1], p[2]));
+  Attribute waves{.name = "waves", .values = {}};
+  for (const Vec3d& p : mesh.positions)
+    waves.values.push_back(std::sin(9 * p[0]) * std::cos(7 * p[1]));
+  for (Attribute* attribute : {&tilt, &waves}) {
+    attribute->errors.assign(mesh.tetrahedra.size(), 0);
+    mesh.attributes.push_back(*attribute);
+  }
+  Progress progress;
+  ASSERT_TRUE(write_vtu(input_, mesh, {.value_name = "noise"}, progress));
+  const std::string model = scratch_ / "out.lode";
+  const Words fields{"--field", "noise", "--with", "waves", "--with", "tilt"};
+  Words build{"build", input_, model, "--placement", "midpoint"};
+  build.insert(build.end(), fields.begin(), fields.end());
+  EXPECT_EQ(done(build).at("fields").size(), 3U);
+  const std::string vtp = scratch_ / "out.vtp";
+  const std::vector<std::pair<std::string, Words>> questions{
+      {output_, {"--mesh", "--max-error", "0.1"}},
+      {vtp, {"--isovalue", "0.1", "--max-error", "0.05"}},
+      {vtp, {"--boundary", "--max-error", "0.1"}}};
+  const auto bytes = [&](const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  for (const auto& [path, options] : questions) {
+    Words words{"extract", model, path};
+    words.insert(words.end(), fields.begin(), fields.end());
+    words.insert(words.end(), options.begin(), options.end());
+    static_cast<void>(done(words));
+    const std::string from_file = bytes(path);
+    EXPECT_NE(from_file.find("\"tilt\""), std::string::npos);
+    words[1] = input_;
+    words.insert(words.end(), {"--placement", "midpoint"});
+    static_cast<void>(done(words));
+    EXPECT_EQ(bytes(path), from_file);
+  }
+  // Each by its own tolerance, and at none bit for bit.
+  for (const char* field : {"noise", "waves", "tilt"}) {
+    const nlohmann::json coarse =
+        done({"extract", model, output_, "--mesh", "--field", field, "--max-error", "0.2"});
+    EXPECT_LE(coarse.at("largest_error"), 0.2);
+    static_cast<void>(done({"extract", model, output_, "--mesh", "--field", field, "--with",
+                            field == std::string("tilt") ? "waves" : "tilt", "--max-error", "0"}));
+    const auto values_of = [&](const std::string& path) {
+      auto cells = read_cell_mesh(path, {});
+      EXPECT_TRUE(cells);
+      auto made = to_tetrahedra(std::move(*cells), {.fields = std::vector<std::string>{field}});
+      EXPECT_TRUE(made);
+      return sorted_cells(made->mesh);
+    };
+    EXPECT_EQ(values_of(output_), values_of(input_));
+    const nlohmann::json probed =
+        done({"probe", model, "--point", "0.31,0.42,0.53", "--field", field, "--max-error", "0"});
+    if (field == std::string("tilt"))
+      EXPECT_NEAR(probed.at("points")[0].at("value").get<double>(), height(0.31, 0.42, 0.53), 1e-6);
+  }
+  const nlohmann::json verified = done({"verify", model, "--against", input_});
+  int n_waves = 0;
+  for (const auto& check : verified.at("checks")) {
+    EXPECT_EQ(check.at("passed"), true) << check;
+    n_waves += check.at("name").get<std::string>().ends_with(": waves") ? 1 : 0;
+  }
+  EXPECT_GT(n_waves, 5);
+  EXPECT_EQ(run_lode({"render", model, scratch_ / "out.png", "--opacity", "smoke", "--field",
+                      "waves", "--max-error", "0.3", "--size", "64x64"})
+                .exit_code,
+            0);
+}
+
 TEST_F(cli_tetra_placement, is_the_same_for_any_number_of_threads) {
   const auto bytes = [&](const char* threads) {
     static_cast<void>(
@@ -454,8 +528,6 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
           "expected half-edge or midpoint, got 'centre'");
   refused({"extract", input_, output_, "--mesh", "--placement", "centre"},
           "expected half-edge or midpoint, got 'centre'");
-  refused(midpoint({input_, output_, "--mesh", "--field", "noise", "--with", "noise"}),
-          "--with: expected none with --placement midpoint");
   refused(midpoint({scratch_ / "volume.nrrd", output_, "--mesh"}),
           "--placement, --order and --fast: expected a mesh of cells with");
   EXPECT_EQ(run_lode({"build", input_, model, "--placement", "half-edge"}).exit_code, 0);

@@ -92,18 +92,26 @@ TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
       if (at(0, 2) == -0.5 && at(1, 2) == -0.5 && at(2, 2) == -0.5)
         mesh.patch_sides.push_back({cell, corner, at(0, 0) + at(1, 0) + at(2, 0) < 0 ? 0U : 1U});
     }
+  Attribute waves{.name = "waves", .values = {}};
+  for (const Vec3d& p : mesh.positions) waves.values.push_back(std::sin(9 * p[0] + p[1]) / 3);
+  waves.errors.assign(mesh.tetrahedra.size(), 0);
+  mesh.attributes = {waves};
   Progress progress;
   ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
   for (const char* const n_base : {"100", "4000"}) {
-    ASSERT_EQ(run_lode({"build", mesh_, lode_, "--base-cells", n_base}).exit_code, 0);
+    ASSERT_EQ(
+        run_lode({"build", mesh_, lode_, "--field", "noise", "--base-cells", n_base}).exit_code, 0);
     EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
         << read_in_python(lode_, mesh_);
-    ASSERT_EQ(run_lode({"build", mesh_, lode_, "--base-cells", n_base, "--placement", "midpoint"})
-                  .exit_code,
-              0);
-    const std::string midpoints =
-        run_oracle(LODE_MIDPOINT_READER, "'" + lode_ + "' '" + mesh_ + "'");
-    EXPECT_TRUE(midpoints.starts_with("vertices 1728 cells 7986 nodes ")) << midpoints;
+    for (const Words& fields :
+         {Words{"--field", "noise"}, Words{"--field", "noise", "--with", "waves"}}) {
+      Words build{"build", mesh_, lode_, "--base-cells", n_base, "--placement", "midpoint"};
+      build.insert(build.end(), fields.begin(), fields.end());
+      ASSERT_EQ(run_lode(build).exit_code, 0);
+      const std::string midpoints =
+          run_oracle(LODE_MIDPOINT_READER, "'" + lode_ + "' '" + mesh_ + "'");
+      EXPECT_TRUE(midpoints.starts_with("vertices 1728 cells 7986 nodes ")) << midpoints;
+    }
   }
 }
 

@@ -17,6 +17,8 @@
 
 namespace lode::test {
 
+/// `kFields`: it is refined by the last of so many.
+template <std::size_t kFields>
 class MidpointContract {
  public:
   static constexpr int kDimension = 3;
@@ -26,7 +28,7 @@ class MidpointContract {
   static MidpointContract make(std::uint32_t seed, Threads threads) {
     Progress progress;
     TetraMesh mesh = TetraContract::holed_cube(seed);
-    mesh.fields.erase(mesh.fields.begin());
+    mesh.fields.erase(mesh.fields.begin(), mesh.fields.end() - kFields);
     const auto collapses =
         tetra_mt::midpoint::collapse_edges(mesh, {.base_cells = 60, .threads = threads}, progress);
     auto hierarchy = tetra_mt::midpoint::make_hierarchy(mesh, *collapses, threads);
@@ -42,14 +44,15 @@ class MidpointContract {
   /// With all pages, so that whatever is wrong with the file is found here.
   static Result<MidpointContract> open(const std::string& path) {
     LODE_TRY(auto opened, tetra_mt::midpoint::open(path));
+    static_cast<void>(opened.forest.root_word(0, kFields - 1));
     for (std::uint32_t node = 0; node < opened.forest.head().n_nodes(); ++node)
-      static_cast<void>(opened.forest.children(node));
+      static_cast<void>(opened.forest.split(node, kFields - 1));
     LODE_CHECK(opened.forest.check());
     return MidpointContract({}, std::move(opened.forest));
   }
 
   [[nodiscard]] tetra_mt::midpoint::MidpointCut refinable() const {
-    return tetra_mt::midpoint::MidpointCut(*forest_);
+    return tetra_mt::midpoint::MidpointCut(*forest_, kFields - 1);
   }
 
   /// The mesh of the cut that the model stands at.

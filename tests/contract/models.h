@@ -24,7 +24,8 @@ using StoredModels = ::testing::Types<  //
     DiamondContract<2>,                 //
     DiamondContract<3>,                 //
     TetraContract,                      //
-    MidpointContract,                   //
+    MidpointContract<1>,                //
+    MidpointContract<2>,                //
     DelaunayPyramidContract,            //
     TernaryContract,                    //
     PointPyramidContract,               //
@@ -36,7 +37,8 @@ using AllModels = ::testing::Types<  //
     DiamondContract<2>,              //
     DiamondContract<3>,              //
     TetraContract,                   //
-    MidpointContract,                //
+    MidpointContract<1>,             //
+    MidpointContract<2>,             //
     DelaunayPyramidContract,         //
     TernaryContract,                 //
     PointPyramidContract,            //

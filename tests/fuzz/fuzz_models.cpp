@@ -29,6 +29,7 @@ void ask_tetra(const TetraDataset& dataset) {
   for (const double max_error : {field.base_error / 2, 0.0}) {
     SimplexMesh mesh;
     TetraMeshOptions options{.query = {.max_error = max_error}, .threads = kOne};
+    for (std::size_t f = 1; f < info.fields.size(); ++f) options.fields.along.push_back(f);
     if (dataset.extract_mesh(options, mesh, progress)) check_mesh(mesh);
   }
   Surface surface;
@@ -39,6 +40,8 @@ void ask_tetra(const TetraDataset& dataset) {
   const Vec3d middle = (info.bounds.lower + info.bounds.upper) * 0.5;
   std::vector<ProbedPoint> found;
   (void)dataset.probe(std::array{middle, info.bounds.lower}, {.threads = kOne}, found, progress);
+  const ProbeOptions last{.field = info.fields.size() - 1, .threads = kOne};
+  (void)dataset.probe(std::array{middle}, last, found, progress);
   (void)dataset.verify({.n_random_cuts = 2, .threads = kOne}, progress);
 }
 

@@ -1,6 +1,7 @@
 // Writes small valid inputs of every harness, the fuzzers' first ones: fuzz_seeds
 // tests/fuzz/corpus.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -298,6 +299,11 @@ void keep_tetra_files() {
   for (const auto& t : mesh.tetrahedra)
     mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 0 : 1);
   for (const Placement placement : {Placement::half_edge, Placement::midpoint}) {
+    if (placement == Placement::midpoint) {
+      MeshField& waves = mesh.fields.emplace_back(mesh.fields[0]);
+      waves.name = "waves";
+      for (double& value : waves.values) value = std::sin(9 * value) / 3;
+    }
     const io::test::TempDir dir;
     const std::string path = dir.path("t.lode");
     Progress progress;

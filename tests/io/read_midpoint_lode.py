@@ -20,7 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import read_tetra_lode as tetra  # noqa: E402
 from read_tetra_lode import BadFile, Bits, Cursor, container, expect, np, parts, unzigzag  # noqa: E402
 
-TABLE, ROOTS, BASE_CELLS, PAGES = range(1, 5)
+TABLE, ROOTS, BASE_CELLS, PAGES, FIELD_ROOTS, FIELD_PAGES = range(1, 7)
 LEAF, NEAR, FAR = range(3)
 
 
@@ -33,15 +33,21 @@ def read_metadata(raw):
     m["box"], m["deviation"] = c.take("6d"), c.take("d")
     m["regions"] = tetra.read_regions(c)
     m["patches"] = [(c.take("q"), c.take_bytes(c.take("I"))) for _ in range(c.take("I"))]
-    m["field"] = c.take_bytes(c.take("I")).decode("utf-8")
-    m["type"], m["base_error"], m["min"], m["max"] = c.take("B"), *c.take("3d")
-    m["steps"] = [c.take("iq") for _ in range(4)]
-    m["E"], m["D"] = c.take("2d")
-    m["knots"] = c.take("64d")
+    m["steps"] = [c.take("iq") for _ in range(3)]
+    m["D"] = c.take("d")
+    m["fields"] = [read_field(c) for _ in range(c.take("I"))]
+    expect(m["fields"], "no field")
     c.end()
-    expect(list(m["knots"]) == sorted(m["knots"]), "knots are not ascending")
-    expect((m["min"], m["max"]) == (m["knots"][0], m["knots"][-1]), "other knots")
     return m
+
+
+def read_field(c):
+    f = {"name": c.take_bytes(c.take("I")).decode("utf-8")}
+    f["type"], f["base_error"], f["min"], f["max"] = c.take("B"), *c.take("3d")
+    f["step"], f["E"], f["knots"] = c.take("iq"), c.take("d"), c.take("64d")
+    expect(list(f["knots"]) == sorted(f["knots"]), "knots are not ascending")
+    expect((f["min"], f["max"]) == (f["knots"][0], f["knots"][-1]), "other knots")
+    return f
 
 
 def facts_of(word):
@@ -59,16 +65,16 @@ class File:
         self.m = read_metadata(metadata)
         self.blocks = {}
         for _, block, raw in container.read_blocks(self.library, data, header, blocks):
-            expect(block["codec"] == 0 and block["level"] == 0, "a wrong block")
-            self.blocks[block["kind"], block["x"]] = raw
+            expect(block["codec"] == 0, "a wrong block")
+            self.blocks[block["kind"], block["x"], block["level"]] = raw
         self.has_marks = len(self.m["regions"]) > 1 or len(self.m["patches"]) > 0
         self.read_table()
         self.read_roots()
         self.read_cells()
 
-    def take(self, kind, x):
-        expect((kind, x) in self.blocks, f"no block {kind} {x}")
-        return self.blocks.pop((kind, x))
+    def take(self, kind, x, level=0):
+        expect((kind, x, level) in self.blocks, f"no block {kind} {x} {level}")
+        return self.blocks.pop((kind, x, level))
 
     def read_table(self):
         """By page and place the number of a node, and by page its first leaf."""
@@ -131,10 +137,139 @@ class File:
             for i in range(n):
                 self.cells.append((tuple(names[corner[i]] for corner in corners), marks[i]))
 
+    def steps(self):
+        """Of positions, and values of the first field."""
+        return [*self.m["steps"], self.m["fields"][0]["step"]]
+
     def read_pages(self):
         self.ends, self.parents, self.splits, self.marks = {}, {}, {}, {}
         for page in range(self.m["P"]):
             PageReader(self, page).read()
+        self.further = [FurtherField(self, k) for k in range(1, len(self.m["fields"]))]
+
+
+class FurtherField:
+    """What the base and pages have of a field but the first: values by leaf, found here."""
+
+    def __init__(self, file, number):
+        self.f, self.number, self.m = file, number, file.m["fields"][number]
+        self.codes, self.facts, self.offsets, self.splits = {}, {}, {}, {}
+        roots = iter(file.roots)
+        for part, n in enumerate(parts(file.m["R"], 65536)):
+            c = Cursor(file.library, file.take(FIELD_ROOTS, part, number))
+            codes = c.differences(n, 4).astype(int).tolist()
+            words = c.differences(n, 4).astype(int).tolist()
+            off = c.bytes(n).tolist()
+            numbers = iter(c.floats(sum(off), False).tolist())
+            c.end()
+            for code, word, is_off in zip(codes, words, off):
+                label = next(roots)
+                self.codes[label] = code
+                if label >= file.m["V"]:
+                    self.facts[label - file.m["V"]] = word
+                if is_off:
+                    self.offsets[label] = next(numbers)
+        for page in range(file.m["P"]):
+            self.read_page(page)
+        self.split_all()
+
+    def read_page(self, page):
+        f, V = self.f, self.f.m["V"]
+        c, nodes = Bits(f.take(FIELD_PAGES, page, self.number)), f.nodes[page]
+        here = set(nodes)
+        for node in reversed(nodes):
+            where, _, steps, _ = f.splits[node]
+            whose = c.symbol(2, "whose", where)
+            expect(whose <= 2, "no place")
+            n_leaves = sum(v < V for v in f.ends[node])
+            d, _ = read_step(c, "value", n_leaves, abs(steps[2]).bit_length() // 4)
+            self.splits[node] = (whose, d)
+        last = [0, 0, 0]
+        for node in reversed(nodes):
+            ends = [v - V for v in f.ends[node] if v >= V]
+            parent = f.parents[node]
+            is_near = parent is not None and parent - V in here
+            own = facts_of(self.facts[node])[:3] if is_near else None
+            role = 1 if len(ends) == 2 else 0
+            for k, end in enumerate(ends):
+                if own is None:
+                    four = [last[i] + c.signed("beside", k, i) for i in range(3)]
+                else:
+                    four = read_below(c, (own[0], 63 - own[1], own[2]), role)
+                for number, limit in zip(four, (256, 64, 64)):
+                    expect(0 <= number < limit, "facts beyond their bounds")
+                last = four
+                self.facts[end] = four[0] | (63 - four[1]) << 8 | four[2] << 14
+                role = 3 if own is not None and four[0] == own[0] else 2
+        if c.bit("is off"):
+            for leaf in f.leaves[page]:
+                if c.bit("is off"):
+                    self.offsets[leaf] = read_offset(c, "value", self.m["step"][0])
+        c.end()
+
+    def split_all(self):
+        V = self.f.m["V"]
+        for node in range(self.f.n - 1, -1, -1):
+            whose, d = self.splits[node]
+            first, second = self.f.ends[node]
+            code = self.codes.pop(V + node)
+            begin = (code - (d >> 1), code, code - d)[whose]
+            self.codes[first], self.codes[second] = begin, begin + d
+            for end in (first, second):
+                expect(0 <= self.codes[end] < 1 << 31, "codes beyond 31 bits")
+                if end >= V:
+                    mine, theirs = facts_of(self.facts[node]), facts_of(self.facts[end - V])
+                    nested = mine[0] >= theirs[0] and mine[1] <= theirs[1]
+                    expect(nested and mine[2] >= theirs[2], f"node {node}: facts are not nested")
+
+    def values(self):
+        exponent, first = self.m["step"]
+        return [added(math.ldexp(float(first + self.codes[leaf]), exponent),
+                      self.offsets.get(leaf, 0.0)) for leaf in range(self.f.m["V"])]
+
+
+def read_step(c, axis, n_leaves, view):
+    """The number, and how many bits it has."""
+    bits = c.symbol(5, "bits", axis, view)
+    number = 0
+    if bits:
+        zeros = c.symbol(4, "zeros", axis, n_leaves)
+        expect(zeros < bits, "too many zeros")
+        if zeros < 15 and bits - zeros > 1:
+            number = 2 * read_tail(c, axis, bits, bits - zeros - 2) + 1
+        else:
+            number = read_tail(c, axis, bits, bits - zeros - 1)
+        number <<= zeros
+        if c.bit("negative", axis):
+            number = -number
+    return number, bits
+
+
+def read_tail(c, axis, bits, k):
+    """Models are those of the axis and bits, whatever is left of these."""
+    i = 1
+    for _ in range(min(k, 3)):
+        i = 2 * i + c.bit("tail", axis, bits, i)
+    return i << max(0, k - 3) | c.plain(max(0, k - 3))
+
+
+def read_below(c, mine, role):
+    found = []
+    for which, most in enumerate(mine):
+        less = 0
+        if c.bit("less", role, which):
+            less = 1 + c.number("less", role, which)
+        found.append(most - less)
+    return found
+
+
+def read_offset(c, axis, exponent):
+    if not c.bit("axis", axis):
+        return 0.0
+    halvings = unzigzag(c.number("halvings", axis))
+    size = c.wide("offset", axis)
+    sign = -1.0 if c.bit("sign", axis) else 1.0
+    return sign * math.ldexp(float(size), exponent - halvings)
 
 
 class PageReader:
@@ -234,18 +369,7 @@ class PageReader:
         expect(max(where, whose) <= 2, "no place")
         difference, before = [], n_leaves
         for axis in range(4):
-            bits = c.symbol(5, "bits", axis, before)
-            number = 0
-            if bits:
-                zeros = c.symbol(4, "zeros", axis, n_leaves)
-                expect(zeros < bits, "too many zeros")
-                if zeros < 15 and bits - zeros > 1:
-                    number = 2 * self.tail(axis, bits, bits - zeros - 2) + 1
-                else:
-                    number = self.tail(axis, bits, bits - zeros - 1)
-                number <<= zeros
-                if c.bit("negative", axis):
-                    number = -number
+            number, bits = read_step(c, axis, n_leaves, before)
             difference.append(number)
             before = bits // 4
         mask, seen = 0, ()
@@ -259,13 +383,6 @@ class PageReader:
             mask |= 1 << (size - 1)
         self.f.splits[node] = (where, whose, difference, mask)
 
-    def tail(self, axis, bits, k):
-        """Models are those of the axis and bits, whatever is left of these."""
-        i = 1
-        for _ in range(min(k, 3)):
-            i = 2 * i + self.c.bit("tail", axis, bits, i)
-        return i << max(0, k - 3) | self.c.plain(max(0, k - 3))
-
     def read_facts(self, node):
         c, V = self.c, self.m["V"]
         ends = [v - V for v in self.f.ends[node] if v >= V]
@@ -275,22 +392,17 @@ class PageReader:
             own = self.f.facts[node]
         role = 1 if len(ends) == 2 else 0
         for k, end in enumerate(ends):
-            four = []
-            for which in range(4):
-                if own is None:
-                    four.append(self.last[which] + c.signed("beside", k, which))
-                    continue
+            if own is None:
+                four = [self.last[which] + c.signed("beside", k, which) for which in range(4)]
+            else:
                 mine = facts_of(own)
-                mine = (mine[0], 63 - mine[1], mine[2], mine[3])
-                less = 0
-                if c.bit("less", role, which):
-                    less = 1 + c.number("less", role, which)
-                four.append(mine[which] - less)
+                four = read_below(c, (mine[0], 63 - mine[1], mine[2], mine[3]), role)
             for number, limit in zip(four, (256, 64, 64, 4096)):
                 expect(0 <= number < limit, "facts beyond their bounds")
             self.last = four
             error, low, high, radius = four[0], 63 - four[1], four[2], four[3]
-            expect(self.m["knots"][low] <= self.m["knots"][high], "no range")
+            knots = self.m["fields"][0]["knots"]
+            expect(knots[low] <= knots[high], "no range")
             self.f.facts[end] = error | low << 8 | high << 14 | radius << 20
             role = 3 if own is not None and error == facts_of(own)[0] else 2
 
@@ -301,15 +413,8 @@ class PageReader:
         for leaf in self.f.leaves[self.page]:
             if not c.bit("is off"):
                 continue
-            offset = [0.0] * 4
-            for axis in range(4):
-                if c.bit("axis", axis):
-                    halvings = unzigzag(c.number("halvings", axis))
-                    size = c.wide("offset", axis)
-                    sign = -1.0 if c.bit("sign", axis) else 1.0
-                    exponent = self.m["steps"][axis][0] - halvings
-                    offset[axis] = sign * math.ldexp(float(size), exponent)
-            self.f.offsets[leaf] = offset
+            self.f.offsets[leaf] = [read_offset(c, axis, step[0])
+                                    for axis, step in enumerate(self.f.steps())]
 
 
 def split_all(file):
@@ -378,14 +483,15 @@ def added(coded, offset):
 
 
 def vertices_of(file):
-    """By leaf: position and value."""
+    """By leaf: position and values."""
+    further = [field.values() for field in file.further]
     found = []
     for leaf in range(file.m["V"]):
         numbers = []
-        for axis, (exponent, first) in enumerate(file.m["steps"]):
+        for axis, (exponent, first) in enumerate(file.steps()):
             coded = math.ldexp(float(first + file.codes[leaf][axis]), exponent)
             numbers.append(added(coded, file.offsets.get(leaf, [0.0] * 4)[axis]))
-        found.append(tuple(numbers))
+        found.append((*numbers, *(values[leaf] for values in further)))
     return found
 
 
@@ -393,8 +499,9 @@ def compare(file, cells, path):
     """Tetrahedra, and faces of patches, by what is at their corners, with their marks."""
     mesh, to_numpy = tetra.load_mesh(path)
     points = to_numpy(mesh.GetPoints().GetData()).astype(float)
-    values = to_numpy(mesh.GetPointData().GetArray(file.m["field"])).astype(float)
-    theirs = [(*p, v) for p, v in zip(points.tolist(), values.tolist())]
+    values = [to_numpy(mesh.GetPointData().GetArray(field["name"])).astype(float).tolist()
+              for field in file.m["fields"]]
+    theirs = [(*p, *v) for p, *v in zip(points.tolist(), *values)]
     mine = vertices_of(file)
     corners = to_numpy(mesh.GetCells().GetConnectivityArray())
     begins = to_numpy(mesh.GetCells().GetOffsetsArray())

@@ -80,7 +80,8 @@ bool is_in_box(const TetraMesh& mesh, const std::array<std::uint32_t, 4>& t, con
 Located locate(const TetraMesh& mesh, const Tetrahedra& tetrahedra, const Vec3d& p,
                std::size_t field, Candidates candidates) {
   Located best{-std::numeric_limits<double>::infinity(), 0};
-  for (const auto& t : tetrahedra) {
+  for (std::size_t cell = 0; cell < tetrahedra.size(); ++cell) {
+    const auto& t = tetrahedra[cell];
     if (candidates == Candidates::boxed && !is_in_box(mesh, t, p)) continue;
     const double whole = six_volumes(mesh, t);
     double least = std::numeric_limits<double>::infinity();
@@ -92,7 +93,7 @@ Located locate(const TetraMesh& mesh, const Tetrahedra& tetrahedra, const Vec3d&
       least = std::min(least, weight);
       value += weight * mesh.fields[field].values[t[k]];
     }
-    if (least > best.least_weight) best = {least, value};
+    if (least > best.least_weight) best = {least, value, cell};
   }
   return best;
 }

@@ -23,6 +23,7 @@ double volume_of(const TetraMesh& mesh, const Tetrahedra& tetrahedra);
 struct Located {
   double least_weight;
   double value;
+  std::size_t cell = 0;
 };
 Located locate(const TetraMesh& mesh, const Tetrahedra& tetrahedra, const Vec3d& p,
                std::size_t field);

@@ -29,7 +29,9 @@ TEST(midpoint_codes, go_to_the_middle_and_back_without_loss) {
     for (const Place position : {Place::middle, Place::first, Place::second})
       for (const Place value : {Place::middle, Place::first, Place::second}) {
         const Code made = merged(a, b, {position, value});
-        const Ends ends = parted(made, difference(a, b), {position, value});
+        Code way;
+        for (std::size_t axis = 0; axis < 4; ++axis) way[axis] = difference(a[axis], b[axis]);
+        const Ends ends = parted(made, way, {position, value});
         EXPECT_EQ(ends.first, a);
         EXPECT_EQ(ends.second, b);
         if (position != Place::middle) continue;

@@ -82,15 +82,40 @@ void expect_same_answers(const Forest& ours, const Forest& theirs) {
   ASSERT_TRUE(a.check());
 }
 
+void expect_same_field(const Forest& opened, const Hierarchy& hierarchy, std::size_t f) {
+  const ForestField& field = opened.head().fields[f];
+  const ForestField& expected = hierarchy.fields[f];
+  EXPECT_EQ(field.name, expected.name);
+  EXPECT_EQ(field.type, expected.type);
+  EXPECT_EQ(field.low, expected.low);
+  EXPECT_EQ(field.high, expected.high);
+  EXPECT_EQ(field.base_error, expected.base_error);
+  for (std::size_t i = 0; i < hierarchy.roots.size(); ++i) {
+    EXPECT_EQ(opened.root_code(i, f), hierarchy.root_code(i, f));
+    EXPECT_EQ(opened.root_word(i, f), hierarchy.root_word(i, f));
+  }
+  for (std::uint32_t node = 0; node < hierarchy.n_nodes(); ++node) {
+    const Split split = opened.split(node, f);
+    EXPECT_EQ(split.difference, hierarchy.difference(node, f));
+    EXPECT_EQ(split.placement, hierarchy.placement(node, f));
+    const std::uint32_t word = hierarchy.facts(node, f);
+    EXPECT_EQ(opened.facts(node, f), word);
+    EXPECT_EQ(field.codes.facts(NodeCodes::parts(word)),
+              expected.codes.facts(NodeCodes::parts(word)));
+    EXPECT_EQ(opened.code_of(node, f), hierarchy.code_of(hierarchy.n_vertices + node, f));
+  }
+  for (std::uint32_t leaf = 0; leaf < hierarchy.n_vertices; ++leaf) {
+    const Code code = hierarchy.code_of(leaf, f);
+    EXPECT_EQ(opened.position(leaf, code), hierarchy.position(leaf, code));
+    EXPECT_EQ(opened.value(leaf, code, f), hierarchy.value(leaf, code, f));
+  }
+}
+
 /// All that a file is to give back.
 void expect_same(const Forest& opened, const Hierarchy& hierarchy) {
   const ForestHead& head = opened.head();
   EXPECT_EQ(head.n_vertices, hierarchy.n_vertices);
-  EXPECT_EQ(head.field, hierarchy.field);
-  EXPECT_EQ(head.type, hierarchy.type);
-  EXPECT_EQ(head.low, hierarchy.low);
-  EXPECT_EQ(head.high, hierarchy.high);
-  EXPECT_EQ(head.base_error, hierarchy.base_error);
+  ASSERT_EQ(head.fields.size(), hierarchy.fields.size());
   EXPECT_EQ(head.boundary_deviation, hierarchy.boundary_deviation);
   EXPECT_EQ(head.n_cells, hierarchy.n_cells);
   EXPECT_EQ(head.base, hierarchy.base);
@@ -109,29 +134,20 @@ void expect_same(const Forest& opened, const Hierarchy& hierarchy) {
     const Split split = opened.split(node);
     const NodeRecord& record = hierarchy.nodes[node];
     EXPECT_EQ(split.children, hierarchy.children(node));
-    EXPECT_EQ(split.difference, record.difference);
-    EXPECT_EQ(split.placement, record.placement());
     for (std::size_t i = 0; i < 60; ++i) EXPECT_EQ(split.mask >> i & 1, record.is_second(i));
     EXPECT_TRUE(std::ranges::equal(split.regions, hierarchy.regions_of(node)));
-    EXPECT_EQ(opened.facts(node), record.facts);
-    EXPECT_EQ(head.codes.facts(NodeCodes::parts(opened.facts(node))),
-              hierarchy.codes.facts(NodeCodes::parts(record.facts)));
-    EXPECT_EQ(head.codes.radius(NodeCodes::parts(record.facts).radius),
-              hierarchy.codes.radius(NodeCodes::parts(record.facts).radius));
+    EXPECT_EQ(head.radii.radius(NodeCodes::parts(record.facts).radius),
+              hierarchy.radii.radius(NodeCodes::parts(record.facts).radius));
     EXPECT_EQ(opened.parent(node), hierarchy.parent(hierarchy.n_vertices + node));
-    EXPECT_EQ(opened.code_of(node), hierarchy.code_of(hierarchy.n_vertices + node));
   }
-  for (std::uint32_t leaf = 0; leaf < hierarchy.n_vertices; ++leaf) {
-    const Code code = hierarchy.code_of(leaf);
-    EXPECT_EQ(opened.position(leaf, code), hierarchy.position(leaf, code));
-    EXPECT_EQ(opened.value(leaf, code), hierarchy.value(leaf, code));
-  }
+  for (std::size_t f = 0; f < head.fields.size(); ++f) expect_same_field(opened, hierarchy, f);
   EXPECT_TRUE(opened.check());
 }
 
-/// At a tolerance of 0, bit for bit.
-void expect_reference(const Forest& forest, const TetraMesh& mesh, const Hierarchy& hierarchy) {
-  MidpointCut cut(forest);
+/// At a tolerance of 0 of a field, bit for bit, with all others.
+void expect_reference(const Forest& forest, const TetraMesh& mesh, const Hierarchy& hierarchy,
+                      std::size_t field = 0) {
+  MidpointCut cut(forest, field);
   Engine<MidpointCut> engine(cut);
   engine.set_query(uniform_demand(0));
   engine.finish();
@@ -144,8 +160,18 @@ void expect_reference(const Forest& forest, const TetraMesh& mesh, const Hierarc
         EXPECT_EQ(std::bit_cast<std::uint64_t>(cut.position(v)[i]),
                   std::bit_cast<std::uint64_t>(reference.positions[v][i]));
       EXPECT_EQ(std::bit_cast<std::uint64_t>(cut.value(v)),
-                std::bit_cast<std::uint64_t>(reference.fields[0].values[v]));
+                std::bit_cast<std::uint64_t>(reference.fields[field].values[v]));
     }
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t leaf = 0; leaf < forest.head().n_vertices; ++leaf)
+    if (cut.has_vertex(leaf)) leaves.push_back(leaf);
+  for (std::size_t f = 0; f < mesh.fields.size(); ++f) {
+    const auto values = cut.values(leaves, f);
+    ASSERT_TRUE(values) << values.error().message;
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      EXPECT_EQ(std::bit_cast<std::uint64_t>((*values)[i]),
+                std::bit_cast<std::uint64_t>(reference.fields[f].values[leaves[i]]));
+  }
 }
 
 TEST_F(midpoint_file, is_the_hierarchy_bit_for_bit) {
@@ -162,14 +188,43 @@ TEST_F(midpoint_file, is_the_hierarchy_bit_for_bit) {
   none.tetrahedra.clear();
   TetraMesh moved = noise();
   for (double& value : moved.fields[0].values) value = value * 1e-30 + 1e9;
-  for (const TetraMesh& mesh : {noise(), doubles, level, one, none, moved}) {
+  for (const TetraMesh& mesh : {noise(), doubles, level, one, none, moved,
+                                test::with_fields(noise()), test::with_fields(one)}) {
     const Hierarchy hierarchy = midpoints_of(mesh, mesh.tetrahedra.size() / 50);
     write(hierarchy);
     auto opened = open(path_);
     ASSERT_TRUE(opened) << opened.error().message;
     EXPECT_EQ(opened->forest.n_pages_loaded(), 0U);
-    expect_reference(opened->forest, mesh, hierarchy);
+    for (std::size_t f = 0; f < mesh.fields.size(); ++f)
+      expect_reference(opened->forest, mesh, hierarchy, f);
     expect_same(opened->forest, hierarchy);
+  }
+}
+
+/// What is asked of one field is not read of the others, and is the same whatever these are.
+TEST_F(midpoint_file, reads_nothing_of_fields_that_are_not_asked_for) {
+  const TetraMesh mesh = test::with_fields(oracles::noise_mesh(20, oracles::Cut::in_five, 5));
+  const Hierarchy hierarchy = midpoints_of(mesh, 800);
+  write(hierarchy);
+  const Forest memory(hierarchy);
+  for (const std::size_t asked : {0U, 1U, 3U}) {
+    const auto opened = open(path_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    MidpointCut cut(opened->forest, asked);
+    Engine<MidpointCut> engine(cut);
+    engine.set_query(corner_demand(0));
+    engine.finish();
+    ASSERT_TRUE(cut.check());
+    MidpointCut other(memory, asked);
+    Engine<MidpointCut> expected(other);
+    expected.set_query(corner_demand(0));
+    expected.finish();
+    EXPECT_EQ(engine.cut().applied(), expected.cut().applied());
+    EXPECT_TRUE(vertices_of(cut) == vertices_of(other));
+    const std::uint32_t n_pages = opened->forest.n_pages_loaded();
+    EXPECT_GT(n_pages, 0U);
+    for (std::size_t f = 1; f < mesh.fields.size(); ++f)
+      EXPECT_EQ(opened->forest.n_pages_loaded(f), f == asked ? n_pages : 0U);
   }
 }
 
@@ -242,11 +297,11 @@ TEST_F(midpoint_file, that_lies_is_refused_or_gives_something_but_does_no_harm) 
   mesh.region_ids = {1, 2};
   for (const Tetrahedron& t : mesh.tetrahedra)
     mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 0 : 1);
-  write(midpoints_of(mesh, 300));
+  write(midpoints_of(test::with_fields(mesh), 300));
   Random random(6);
   const std::string lying = path_ + ".lying.lode";
   int n_opened = 0;
-  for (int trial = 0; trial < 250; ++trial) {
+  for (int trial = 0; trial < 400; ++trial) {
     test::rewrite(path_, lying, random);
     const auto opened = open(lying);
     if (!opened) {
@@ -254,13 +309,22 @@ TEST_F(midpoint_file, that_lies_is_refused_or_gives_something_but_does_no_harm) 
       continue;
     }
     ++n_opened;
-    MidpointCut cut(opened->forest);
+    const std::size_t n_fields = opened->forest.head().fields.size();
+    MidpointCut cut(opened->forest, static_cast<std::size_t>(trial) % n_fields);
     Engine<MidpointCut> engine(cut);
     engine.set_query(trial % 2 == 0 ? uniform_demand(0.05) : corner_demand(0));
     engine.run([&] { return cut.is_damaged(); });
     engine.set_query(uniform_demand(0.3));
     engine.run([&] { return cut.is_damaged(); });
     const ForestHead& head = opened->forest.head();
+    std::vector<std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < head.n_labels(); ++v)
+      if (cut.has_vertex(v)) vertices.push_back(v);
+    for (std::size_t f = 0; f < n_fields; ++f) {
+      const auto values = cut.values(vertices, f);
+      if (!values) continue;
+      EXPECT_TRUE(std::ranges::all_of(*values, [](double x) { return std::isfinite(x); }));
+    }
     for (const MidpointCut::Cell& cell : cut.slots()) {
       if (cell.corners[0] == kNone) continue;
       EXPECT_LT(cell.region, cut.is_inside(cell) ? head.region_ids.size() : 1);
@@ -287,8 +351,6 @@ TEST_F(midpoint_file, with_more_nodes_than_make_its_vertices_is_refused) {
   head.n_vertices = 11;
   head.pages = PageTable(3, pages);
   head.n_inner = head.pages.n_nodes();
-  head.field = "f";
-  head.high = 1;
   head.box = {{{0, 0, 0}}, {{1, 1, 1}}};
   head.n_cells = 100;
   head.n_base_cells = 4;
@@ -296,9 +358,10 @@ TEST_F(midpoint_file, with_more_nodes_than_make_its_vertices_is_refused) {
   for (std::uint32_t cell = 0; cell < 4; ++cell) head.base.push_back({0, 1, 2, 3 + cell});
   NodeCodes::Knots knots{};
   for (std::size_t i = 0; i < knots.size(); ++i) knots[i] = static_cast<double>(i) / 63;
-  head.codes = NodeCodes(knots, 1, 10);
   const Scale scale(-30, std::int64_t{0});
-  head.scales = Scales(std::array{scale, scale, scale, scale});
+  head.scales = Scales(std::array{scale, scale, scale});
+  head.radii = RadiusCodes(10);
+  head.fields.push_back({.name = "f", .high = 1, .scale = scale, .codes = NodeCodes(knots, 1)});
   auto writer = store::Writer::create(path_, "tetra_mt_midpoint", encode_head(head));
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->append(key_of(Kind::table, 0), as_block(encode_table(pages))));
@@ -336,7 +399,7 @@ TEST_F(midpoint_file, that_was_cut_off_or_is_another_model_is_refused) {
 TEST_F(midpoint_file, is_the_same_for_any_number_of_threads) {
   const auto bytes = [&](int threads) {
     Progress progress;
-    const TetraMesh mesh = noise();
+    const TetraMesh mesh = test::with_fields(noise());
     const auto collapses =
         collapse_edges(mesh, {.base_cells = 300, .threads = {threads}}, progress);
     const auto hierarchy = make_hierarchy(mesh, *collapses, {threads});

@@ -11,7 +11,7 @@
 namespace lode::tetra_mt::midpoint {
 namespace {
 
-TEST(midpoint, refuses_what_is_no_mesh_of_one_field) {
+TEST(midpoint, refuses_what_is_no_mesh_with_fields) {
   Progress progress;
   const auto message = [&](const TetraMesh& mesh) {
     const auto result = collapse_edges(mesh, {}, progress);
@@ -26,7 +26,10 @@ TEST(midpoint, refuses_what_is_no_mesh_of_one_field) {
   EXPECT_EQ(message(bad), "field noise: expected finite values, got nan at vertex 5");
   bad = mesh;
   bad.fields.push_back(bad.fields[0]);
-  EXPECT_EQ(message(bad), "midpoints: expected one field, got 2");
+  bad.fields[1].values.pop_back();
+  EXPECT_EQ(message(bad), "field noise: expected 27 values, got 26");
+  bad.fields.clear();
+  EXPECT_EQ(message(bad), "midpoints: expected a field, got none");
   progress.cancel();
   EXPECT_EQ(message(mesh), cancelled_error().message);
 }

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "lode/models/tetra_mt/midpoint/field_blocks.h"
 #include "lode/models/tetra_mt/midpoint/forest_blocks.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
@@ -118,6 +120,71 @@ TEST(midpoint_pages, bits_give_all_back) {
   const auto table = encode_table(hierarchy.page_counts);
   ASSERT_TRUE(decode_table(table, "table", hierarchy.pages.n_pages(), pages));
   EXPECT_EQ(pages, hierarchy.page_counts);
+}
+
+TEST(midpoint_pages, bits_give_fields_back) {
+  const TetraMesh mesh = test::with_fields(mixed_mesh(15));
+  const Hierarchy hierarchy = test::midpoints_of(mesh, 200);
+  std::size_t n_exact = 0;
+  for (std::size_t f = 1; f < mesh.fields.size(); ++f) {
+    const FurtherField& field = hierarchy.further[f - 1];
+    n_exact += field.exact.size();
+    for (std::uint32_t page = 0; page < hierarchy.pages.n_pages(); ++page) {
+      const ForestPage nodes(content_of(hierarchy, page), hierarchy.pages, page,
+                             hierarchy.n_vertices);
+      const FieldPage content = field_page_of(hierarchy, field, page);
+      const auto bytes = encode_field_page(content, hierarchy, hierarchy.fields[f], page, nodes);
+      const auto read =
+          decode_field_page(bytes, "page", hierarchy, hierarchy.fields[f], page, nodes);
+      ASSERT_TRUE(read) << read.error().message;
+      EXPECT_EQ(*read, content);
+    }
+    const auto bytes = encode_field_roots(field.roots, hierarchy, 0, hierarchy.roots.size());
+    StreamReader in(bytes, "roots");
+    FieldRoots roots;
+    ASSERT_TRUE(
+        read_field_roots(in, hierarchy.roots.size(), hierarchy, hierarchy.fields[f], roots));
+    EXPECT_EQ(roots, field.roots);
+  }
+  EXPECT_GT(n_exact, 1000U);
+}
+
+TEST(midpoint_pages, any_bytes_of_fields_are_read_as_something_or_refused) {
+  const Hierarchy hierarchy = test::midpoints_of(test::with_fields(mixed_mesh(12)), 200);
+  Random random(8);
+  int n_read = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const auto page = static_cast<std::uint32_t>(random.below(hierarchy.pages.n_pages()));
+    const std::size_t f = 1 + random.below(hierarchy.further.size());
+    const ForestField& head = hierarchy.fields[f];
+    const ForestPage nodes(content_of(hierarchy, page), hierarchy.pages, page,
+                           hierarchy.n_vertices);
+    auto bytes = encode_field_page(field_page_of(hierarchy, hierarchy.further[f - 1], page),
+                                   hierarchy, head, page, nodes);
+    bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
+    if (trial % 5 == 0) bytes.resize(random.below(bytes.size()));
+    const auto read = decode_field_page(bytes, "page", hierarchy, head, page, nodes);
+    if (read) {
+      ++n_read;
+      EXPECT_EQ(read->nodes.size(), hierarchy.pages.n_nodes_of(page));
+      for (const FieldPage::Node& node : read->nodes)
+        for (const std::uint32_t word : node.child_facts) {
+          EXPECT_EQ(word, NodeCodes::without_ball(word));
+          EXPECT_TRUE(head.codes.has_range(NodeCodes::parts(word)));
+        }
+      for (const std::uint32_t leaf : read->exact.leaves())
+        EXPECT_LE(std::abs(*read->exact.find(leaf)), head.scale.step());
+    }
+    auto columns =
+        encode_field_roots(hierarchy.further[f - 1].roots, hierarchy, 0, hierarchy.roots.size());
+    columns[random.below(columns.size())] ^= static_cast<std::byte>(1 + random.below(255));
+    StreamReader in(columns, "roots");
+    FieldRoots roots;
+    if (!read_field_roots(in, hierarchy.roots.size(), hierarchy, head, roots)) continue;
+    EXPECT_EQ(roots.codes.size(), hierarchy.roots.size());
+    EXPECT_TRUE(std::ranges::all_of(roots.codes, [](std::int32_t code) { return code >= 0; }));
+  }
+  EXPECT_GT(n_read, 5);
 }
 
 TEST(midpoint_pages, any_bytes_are_read_as_something_or_refused) {

@@ -75,6 +75,43 @@ TEST_F(midpoint_verification, finds_nothing_wrong_with_what_was_built) {
   EXPECT_TRUE(compared->passed());
 }
 
+TEST_F(midpoint_verification, looks_at_all_fields) {
+  const TetraMesh mesh = test::with_fields(mesh_);
+  MidpointHierarchy hierarchy = test::midpoints_of(mesh, 150);
+  /// Fields that some check says is wrong.
+  const auto wrong = [&] {
+    const VerifyReport report = verified(hierarchy);
+    std::vector<std::string> names;
+    for (const MeshField& field : mesh.fields) {
+      std::size_t n = 0;
+      bool is_wrong = false;
+      for (const VerifyReport::Check& check : report.checks) {
+        if (!check.name.ends_with(": " + field.name)) continue;
+        ++n;
+        is_wrong = is_wrong || !check.passed;
+      }
+      EXPECT_EQ(n, 7U) << field.name;
+      if (is_wrong) names.push_back(field.name);
+    }
+    return names;
+  };
+  EXPECT_EQ(wrong(), std::vector<std::string>{});
+  const Forest forest(hierarchy);
+  Progress progress;
+  const std::array<std::size_t, 5> all{0, 1, 2, 3, 4};
+  EXPECT_TRUE(compare_with_original(*source_of(forest), mesh, all, progress)->passed());
+  TetraMesh other = mesh;
+  other.fields[3].values[mesh_.tetrahedra[100][2]] += 1e-6;
+  EXPECT_FALSE(compare_with_original(*source_of(forest), other, all, progress)->passed());
+  // Of one alone what is stated is too small.
+  for (auto& record : hierarchy.further[0].nodes) {
+    NodeCodes::Parts parts = NodeCodes::parts(record.facts());
+    parts.error -= std::min(parts.error, 8U);
+    record = {record.difference, NodeCodes::word(parts), record.place()};
+  }
+  EXPECT_EQ(wrong(), std::vector<std::string>{"waves"});
+}
+
 TEST_F(midpoint_verification, finds_what_is_stated_too_small) {
   const auto lowered = failures([](MidpointHierarchy& h) {
     const auto lower = [](std::uint32_t word) {

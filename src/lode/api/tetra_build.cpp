@@ -31,6 +31,11 @@ std::uint64_t base_cells_of(const TetraMesh& mesh, const TetraBuildOptions& opti
                                     static_cast<double>(mesh.tetrahedra.size()));
 }
 
+Result<void> check_n_fields(const TetraMesh& mesh) {
+  if (!mesh.fields.empty() && mesh.fields.size() <= tetra_mt::kMaxFields) return {};
+  return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
+}
+
 Result<void> check_memory(const TetraMesh& mesh, const TetraBuildOptions& options) {
   const std::uint64_t n_bytes = memory_to_build(mesh, options);
   if (options.memory_limit == 0 || n_bytes <= options.memory_limit) return {};
@@ -55,8 +60,7 @@ std::uint64_t memory_to_build(const TetraMesh& mesh, const TetraBuildOptions& op
 Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
                                                   const TetraBuildOptions& options,
                                                   Progress& progress) {
-  if (mesh.fields.empty() || mesh.fields.size() > tetra_mt::kMaxFields)
-    return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
+  LODE_CHECK(check_n_fields(mesh));
   LODE_CHECK(check_memory(mesh, options));
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   if (is_everywhere && options.boundary_tolerance > 0)
@@ -88,6 +92,7 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
     return fail("midpoints: expected errors at samples and a boundary tolerance of 0, got others");
   if (options.order != CollapseOrder::squared_error)
     return fail("midpoints: expected an order by squared errors, got another");
+  LODE_CHECK(check_n_fields(mesh));
   LODE_CHECK(check_memory(mesh, options));
   LODE_TRY(const auto collapses,
            tetra_mt::midpoint::collapse_edges(

@@ -117,6 +117,19 @@ void add_patch_sides(const MarkedFaces& faces, SimplexMesh& mesh) {
   }
 }
 
+/// Of those inside, the largest labels first.
+std::vector<std::uint32_t> slots_by_corners(const tetra_mt::midpoint::MidpointCut& cut) {
+  std::vector<std::uint32_t> slots;
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot)
+    if (cut.is_inside(cut.slots()[slot])) slots.push_back(slot);
+  std::ranges::sort(slots, {}, [&](std::uint32_t slot) {
+    tetra_mt::Tetrahedron corners = cut.slots()[slot].corners;
+    std::ranges::sort(corners, std::greater());
+    return corners;
+  });
+  return slots;
+}
+
 /// As float32.
 float not_below(double value) {
   const auto near = static_cast<float>(value);
@@ -170,28 +183,25 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   return vertex_ids;
 }
 
-std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
-                                     SimplexMesh& mesh) {
+Result<std::vector<std::uint32_t>> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
+                                             const TetraFieldUse& fields, SimplexMesh& mesh) {
   const tetra_mt::midpoint::ForestHead& head = cut.head();
   mesh = {};
   mesh.patches = head.patches;
   mesh.region_names = named_regions(head.region_ids, head.region_names);
   const bool has_regions = head.region_ids.size() > 1 || !mesh.region_names.empty();
+  for (const std::size_t field : fields.along)
+    mesh.attributes.push_back({head.fields[field].name, false, {}});
   const MarkedFaces faces = marked_faces(cut);
-  std::vector<std::uint32_t> slots;
-  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot)
-    if (cut.is_inside(cut.slots()[slot])) slots.push_back(slot);
-  std::ranges::sort(slots, {}, [&](std::uint32_t slot) {
-    tetra_mt::Tetrahedron corners = cut.slots()[slot].corners;
-    std::ranges::sort(corners, std::greater());
-    return corners;
-  });
   std::vector<std::uint32_t> numbers(head.n_labels(), kNone);
-  for (const std::uint32_t slot : slots) {
+  for (const std::uint32_t slot : slots_by_corners(cut)) {
     const auto& cell = cut.slots()[slot];
     const std::uint32_t maker = cut.maker(cell);
     mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(maker == kNone ? 0 : cut.facts(NodeId{maker}).error);
+    for (std::size_t i = 0; i < fields.along.size(); ++i)
+      mesh.attributes[i].errors.push_back(
+          maker == kNone ? 0 : cut.facts(NodeId{maker}, fields.along[i]).error);
     if (has_regions) mesh.regions.push_back(head.region_ids[cell.region]);
     if (!faces.empty()) add_patch_sides(faces, mesh);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
@@ -206,6 +216,12 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
   }
   for (auto& t : mesh.tetrahedra)
     for (std::uint32_t& v : t) v = numbers[v];
+  for (std::size_t i = 0; i < fields.along.size(); ++i) {
+    Attribute& attribute = mesh.attributes[i];
+    LODE_TRY(attribute.values, cut.values(labels, fields.along[i]));
+    for (const float error : attribute.errors)
+      attribute.error = std::max(attribute.error, static_cast<double>(error));
+  }
   return labels;
 }
 

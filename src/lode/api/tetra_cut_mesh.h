@@ -5,6 +5,7 @@
 
 #include "lode/api/tetra_extraction.h"
 #include "lode/core/mesh.h"
+#include "lode/core/result.h"
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 
@@ -20,8 +21,9 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::PackedHierarchy& hierarchy,
                                      const TetraFieldUse& fields, const tetra_mt::TetraCut& cut,
                                      CellErrors errors, SimplexMesh& mesh);
 
-/// The same of midpoints: vertices are in the order of their labels, and most are none of the
-/// reference's.
-std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut, SimplexMesh& mesh);
+/// The same of midpoints, whose cut is that of the measured field: vertices are in the order of
+/// their labels, and most are none of the reference's. Fails where pages cannot be loaded.
+Result<std::vector<std::uint32_t>> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
+                                             const TetraFieldUse& fields, SimplexMesh& mesh);
 
 }  // namespace lode

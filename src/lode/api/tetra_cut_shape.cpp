@@ -10,6 +10,7 @@ namespace {
 using tetra_mt::kNone;
 using tetra_mt::PackedHierarchy;
 using tetra_mt::Tetrahedron;
+using tetra_mt::midpoint::Code;
 
 /// A face, listed at the least of its corners.
 struct CutFace {
@@ -79,6 +80,23 @@ void find_faces(const TetraVertices& vertices, const TetraCells& cells, TetraCut
   }
 }
 
+/// Of all vertices of midpoints, from the base down: what a vertex splits into has smaller labels.
+/// Where a page cannot be loaded, as the forest's check() says, something.
+std::vector<Code> codes_by_label(const tetra_mt::midpoint::Forest& forest, std::size_t field) {
+  const tetra_mt::midpoint::ForestHead& head = forest.head();
+  std::vector<Code> codes(head.n_labels(), Code{});
+  for (std::size_t i = 0; i < head.roots.size(); ++i)
+    codes[head.roots[i]] = forest.root_code(i, field);
+  for (std::uint32_t node = head.n_nodes(); node-- > 0;) {
+    const tetra_mt::midpoint::Split split = forest.split(node, field);
+    if (split.children.first == kNone) break;
+    const auto ends = parted(codes[head.n_vertices + node], split.difference, split.placement);
+    codes[split.children.first] = ends.first;
+    codes[split.children.second] = ends.second;
+  }
+  return codes;
+}
+
 }  // namespace
 
 TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
@@ -93,21 +111,11 @@ TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
   find_extent(n, {hierarchy.head().lower, hierarchy.head().upper});
 }
 
-/// From the base down: what a vertex splits into has smaller labels. Leaves of the base that no
-/// cell has are no samples.
+/// Leaves of the base that no cell has are no samples.
 TetraVertices::TetraVertices(const tetra_mt::midpoint::Forest& forest)
     : boundary_deviation_(forest.head().boundary_deviation) {
-  using tetra_mt::midpoint::Code;
   const tetra_mt::midpoint::ForestHead& head = forest.head();
-  std::vector<Code> codes(head.n_labels(), Code{});
-  for (std::size_t i = 0; i < head.roots.size(); ++i) codes[head.roots[i]] = head.root_codes[i];
-  for (std::uint32_t node = head.n_nodes(); node-- > 0;) {
-    const tetra_mt::midpoint::Split split = forest.split(node);
-    if (split.children.first == kNone) return;  // check() says why
-    const auto ends = parted(codes[head.n_vertices + node], split.difference, split.placement);
-    codes[split.children.first] = ends.first;
-    codes[split.children.second] = ends.second;
-  }
+  const std::vector<Code> codes = codes_by_label(forest, 0);
   std::vector<bool> is_used(head.n_vertices, false);
   std::fill(is_used.begin() + head.n_base_leaves, is_used.end(), true);
   for (const Tetrahedron& t : head.base)
@@ -115,7 +123,6 @@ TetraVertices::TetraVertices(const tetra_mt::midpoint::Forest& forest)
       if (head.is_leaf(v)) is_used[v] = true;
   for (std::uint32_t v = 0; v < codes.size(); ++v) {
     positions.push_back(forest.position(v, codes[v]));
-    values.push_back(forest.value(v, codes[v]));
     if (head.is_leaf(v) && is_used[v]) samples.push_back(v);
   }
   find_extent(head.n_vertices, head.box);
@@ -141,6 +148,13 @@ void TetraVertices::take_values(const PackedHierarchy& hierarchy, std::size_t fi
   values.clear();
   for (std::uint32_t v = 0; v < hierarchy.head().n_vertices(); ++v)
     values.push_back(hierarchy.value(v, field));
+}
+
+void TetraVertices::take_values(const tetra_mt::midpoint::Forest& forest, std::size_t field) {
+  const std::vector<Code> codes = codes_by_label(forest, field);
+  values.clear();
+  for (std::uint32_t v = 0; v < codes.size(); ++v)
+    values.push_back(forest.value(v, codes[v], field));
 }
 
 double TetraVertices::boundary_allowance() const {

@@ -29,9 +29,10 @@ struct TetraVertices {
 
   /// Of a hierarchy, without values.
   explicit TetraVertices(const tetra_mt::PackedHierarchy& hierarchy);
-  /// Of midpoints, by labels, with the values.
+  /// Of midpoints, by labels, without values.
   explicit TetraVertices(const tetra_mt::midpoint::Forest& forest);
   void take_values(const tetra_mt::PackedHierarchy& hierarchy, std::size_t field);
+  void take_values(const tetra_mt::midpoint::Forest& forest, std::size_t field);
   /// How far the boundary of any cut may be from the reference's: what docs/models/tetra_mt.md
   /// says of rounding, or what the hierarchy says, where it was built with a tolerance.
   [[nodiscard]] double boundary_allowance() const;

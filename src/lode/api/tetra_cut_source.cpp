@@ -99,9 +99,9 @@ class MidpointSource final : public TetraCutSource {
     LODE_CHECK(forest_.check());
     return vertices;
   }
-  /// They have the values of the one field.
-  Result<void> take_values(std::size_t /*field*/, TetraVertices& /*vertices*/) const override {
-    return {};
+  Result<void> take_values(std::size_t field, TetraVertices& vertices) const override {
+    vertices.take_values(forest_, field);
+    return forest_.check();
   }
   /// Children have smaller labels.
   void spread(std::vector<bool>& is) const override {
@@ -113,16 +113,16 @@ class MidpointSource final : public TetraCutSource {
   }
   Result<RefinedCells> refined(std::size_t field, std::optional<double> tolerance,
                                Progress& progress) const override {
-    return refine(MidpointCut(forest_), info_.fields[field], tolerance, progress);
+    return refine(MidpointCut(forest_, field), info_.fields[field], tolerance, progress);
   }
   Result<TetraCells> random(std::uint32_t n_nodes, std::uint64_t seed) const override {
     return cells_at_random(MidpointCut(forest_), forest_.head().n_nodes(), n_nodes, seed);
   }
-  Result<void> state(std::size_t /*field*/, TetraCells& cells) const override {
-    const auto& codes = forest_.head().codes;
+  Result<void> state(std::size_t field, TetraCells& cells) const override {
+    const auto& codes = forest_.head().fields[field].codes;
     state_cells(
         [&](std::uint32_t maker) {
-          return codes.facts(tetra_mt::midpoint::NodeCodes::parts(forest_.facts(maker)));
+          return codes.facts(tetra_mt::midpoint::NodeCodes::parts(forest_.facts(maker, field)));
         },
         codes.knots()[0], cells);
     return forest_.check();

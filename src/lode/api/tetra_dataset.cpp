@@ -62,9 +62,16 @@ Vec3d origin_of(const Box3d& box) {
   return is_far ? box.lower : Vec3d();
 }
 
-/// Of midpoints: of what is in the mesh all errors are known.
-double midpoint_finishing_seconds(std::uint64_t n_cells) {
-  return 1e-3 + 1e-6 * static_cast<double>(n_cells);
+/// Of midpoints: of what is in the mesh all errors of the measured field are known; those of
+/// others, and values, are in as many pages.
+double finishing_seconds(const Midpoints& forest, const TetraFieldUse& fields,
+                         std::uint64_t n_cells) {
+  std::uint32_t n_unread = 0;
+  const std::uint32_t n_pages = forest.n_pages_loaded();
+  for (const std::size_t field : fields.along)
+    n_unread += n_pages - std::min(n_pages, forest.n_pages_loaded(field));
+  return 1e-3 + 1e-6 * static_cast<double>(n_cells) * static_cast<double>(1 + fields.along.size()) +
+         4e-4 * n_unread;
 }
 
 }  // namespace
@@ -257,11 +264,13 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
   LODE_CHECK(check_regions(info, options.regions));
   using Ids = Result<std::vector<std::uint32_t>>;
   if (midpoints) {
-    tetra_mt::midpoint::MidpointCut cut(*midpoints);
-    const auto finishing = [](std::uint64_t n) { return midpoint_finishing_seconds(n); };
+    tetra_mt::midpoint::MidpointCut cut(*midpoints, options.fields.measured);
+    const auto finishing = [&](std::uint64_t n) {
+      return finishing_seconds(*midpoints, options.fields, n);
+    };
     const auto fill = [&](SimplexMesh& mesh) -> Ids {
       LODE_CHECK(cut.check());
-      std::vector<std::uint32_t> ids = fill_mesh(cut, mesh);
+      LODE_TRY(std::vector<std::uint32_t> ids, fill_mesh(cut, options.fields, mesh));
       LODE_CHECK(cut.check());
       return ids;
     };

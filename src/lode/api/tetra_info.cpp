@@ -27,13 +27,16 @@ std::vector<MeshRegion> named_regions(std::span<const std::int64_t> ids,
 }
 
 TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
+  std::vector<TetraFieldInfo> fields;
+  for (const tetra_mt::midpoint::ForestField& field : head.fields)
+    fields.push_back({field.name, field.type, field.low, field.high, ErrorPlace::at_samples,
+                      field.base_error, std::nullopt});
   return {.placement = Placement::midpoint,
           .n_vertices = head.n_vertices,
           .n_cells = head.n_cells,
           .n_base_cells = head.n_base_cells,
           .n_nodes = head.n_nodes(),
-          .fields = {{head.field, head.type, head.low, head.high, ErrorPlace::at_samples,
-                      head.base_error, std::nullopt}},
+          .fields = std::move(fields),
           .bounds = head.box,
           .boundary_deviation = head.boundary_deviation,
           .regions = regions_of(head.region_ids, head.region_names),

@@ -56,7 +56,7 @@ class MidpointView {
  public:
   using Cut = MidpointCut;
 
-  MidpointView(const Forest& forest, std::size_t /*field*/) : cut_(forest) {}
+  MidpointView(const Forest& forest, std::size_t field) : cut_(forest, field) {}
 
   [[nodiscard]] Cut& cut() { return cut_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }

@@ -305,7 +305,8 @@ void CutVerifier::check_range(std::size_t number, VerifyReport& report) const {
 Result<void> CutVerifier::measure(std::size_t number, std::optional<double> share,
                                   VerifyReport& report) {
   const TetraFieldInfo& field = source_.info().fields[number];
-  if (fields_.size() > 1) LODE_CHECK(source_.take_values(number, vertices_));
+  if (fields_.size() > 1 || vertices_.values.empty())
+    LODE_CHECK(source_.take_values(number, vertices_));
   if (!share) check_range(number, report);
   const auto tolerance = share ? std::optional(*share * field.base_error) : std::nullopt;
   LODE_TRY(RefinedCells refined, source_.refined(number, tolerance, progress_));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace lode::tetra_mt::midpoint {
 namespace {
@@ -52,52 +53,57 @@ std::int32_t Scale::code(double x) const {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(steps, 0, kLast));
 }
 
-Scales::Scales(const TetraMesh& mesh) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double low = 0;
-    double high = 0;
-    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-      const double x = mesh.positions[v][axis];
-      low = v == 0 ? x : std::min(low, x);
-      high = v == 0 ? x : std::max(high, x);
-    }
-    axes_[axis] = Scale(low, high);
-  }
-  const std::vector<double>& values = mesh.fields[0].values;
-  if (values.empty()) return;
+Scale scale_of(std::span<const double> values) {
+  if (values.empty()) return {};
   const auto [low, high] = std::ranges::minmax(values);
-  axes_[3] = Scale(low, high);
+  return {low, high};
 }
 
-Code merged(const Code& first, const Code& second, Placement placement) {
-  Code made = first;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::int32_t way = less(second[i], first[i]);
-    switch (place_of(placement, i)) {
-      case Place::middle: made[i] = less(first[i], -(way >> 1)); break;
-      case Place::first: made[i] = first[i]; break;
-      case Place::second: made[i] = second[i]; break;
-    }
+Scales::Scales(const TetraMesh& mesh) {
+  std::vector<double> numbers(mesh.positions.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t v = 0; v < numbers.size(); ++v) numbers[v] = mesh.positions[v][axis];
+    axes_[axis] = scale_of(numbers);
   }
+}
+
+std::int32_t difference(std::int32_t first, std::int32_t second) { return less(second, first); }
+
+std::int32_t merged(std::int32_t first, std::int32_t second, Place place) {
+  switch (place) {
+    case Place::first: return first;
+    case Place::second: return second;
+    case Place::middle: break;
+  }
+  return less(first, -(less(second, first) >> 1));
+}
+
+EndNumbers parted(std::int32_t middle, std::int32_t difference, Place place) {
+  const std::int32_t first = place == Place::first    ? middle
+                             : place == Place::second ? less(middle, difference)
+                                                      : less(middle, difference >> 1);
+  return {first, less(first, less(0, difference))};
+}
+
+PositionCode merged(const PositionCode& first, const PositionCode& second, Place place) {
+  PositionCode made;
+  for (std::size_t i = 0; i < made.size(); ++i) made[i] = merged(first[i], second[i], place);
   return made;
 }
 
-Code difference(const Code& first, const Code& second) {
-  Code way;
-  for (std::size_t i = 0; i < 4; ++i) way[i] = less(second[i], first[i]);
-  return way;
+Code merged(const Code& first, const Code& second, Placement placement) {
+  Code made;
+  for (std::size_t i = 0; i < made.size(); ++i)
+    made[i] = merged(first[i], second[i], place_of(placement, i));
+  return made;
 }
 
 Ends parted(const Code& middle, const Code& difference, Placement placement) {
-  Ends ends{middle, middle};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::int32_t way = difference[i];
-    switch (place_of(placement, i)) {
-      case Place::middle: ends.first[i] = less(middle[i], way >> 1); break;
-      case Place::first: ends.first[i] = middle[i]; break;
-      case Place::second: ends.first[i] = less(middle[i], way); break;
-    }
-    ends.second[i] = less(ends.first[i], less(0, way));
+  Ends ends;
+  for (std::size_t i = 0; i < middle.size(); ++i) {
+    const EndNumbers both = parted(middle[i], difference[i], place_of(placement, i));
+    ends.first[i] = both.first;
+    ends.second[i] = both.second;
   }
   return ends;
 }

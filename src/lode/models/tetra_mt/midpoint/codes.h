@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "lode/core/result.h"
@@ -9,7 +10,9 @@
 
 namespace lode::tetra_mt::midpoint {
 
-/// Position and value of a vertex in steps of Scales: 31 bits each.
+/// Position of a vertex in steps of Scales: 31 bits each;
+using PositionCode = std::array<std::int32_t, 3>;
+/// and with its value of one field, in steps of a Scale.
 using Code = std::array<std::int32_t, 4>;
 
 /// Steps of a power of two between two numbers, of which there are fewer than 2^31.
@@ -42,25 +45,27 @@ class Scale {
 /// Of what a code and its offset come to: an offset is no more than a step, so both are finite.
 [[nodiscard]] Result<void> check_offset(double offset, const Scale& scale, const std::string& what);
 
-/// Of a mesh with one field.
+/// What holds some values; of none, any.
+[[nodiscard]] Scale scale_of(std::span<const double> values);
+
+/// Of a mesh's positions.
 class Scales {
  public:
   Scales() = default;
   explicit Scales(const TetraMesh& mesh);
-  explicit Scales(const std::array<Scale, 4>& axes) : axes_(axes) {}
+  explicit Scales(const std::array<Scale, 3>& axes) : axes_(axes) {}
 
-  [[nodiscard]] Code code(const Vec3d& position, double value) const {
-    return {axes_[0].code(position[0]), axes_[1].code(position[1]), axes_[2].code(position[2]),
-            axes_[3].code(value)};
+  [[nodiscard]] PositionCode code(const Vec3d& position) const {
+    return {axes_[0].code(position[0]), axes_[1].code(position[1]), axes_[2].code(position[2])};
   }
-  [[nodiscard]] Vec3d position(const Code& code) const {
+  /// Of a PositionCode, or a Code.
+  [[nodiscard]] Vec3d position(std::span<const std::int32_t> code) const {
     return {{axes_[0].value(code[0]), axes_[1].value(code[1]), axes_[2].value(code[2])}};
   }
-  [[nodiscard]] double value(const Code& code) const { return axes_[3].value(code[3]); }
-  [[nodiscard]] const std::array<Scale, 4>& axes() const { return axes_; }
+  [[nodiscard]] const std::array<Scale, 3>& axes() const { return axes_; }
 
  private:
-  std::array<Scale, 4> axes_;
+  std::array<Scale, 3> axes_;
 };
 
 /// Where an edge's new vertex lies, or which value it has: from its ends' two.
@@ -72,11 +77,24 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
+[[nodiscard]] constexpr Place turned(Place place) {
+  return place == Place::middle ? place : place == Place::first ? Place::second : Place::first;
+}
+
 /// The new vertex, and what tells the ends from it: the second end's code less the first's. Whole
 /// numbers go there and back without loss, halves are rounded down. Of other numbers than codes
 /// something comes, modulo 2^32.
+[[nodiscard]] std::int32_t merged(std::int32_t first, std::int32_t second, Place place);
+[[nodiscard]] std::int32_t difference(std::int32_t first, std::int32_t second);
+struct EndNumbers {
+  std::int32_t first;
+  std::int32_t second;
+};
+[[nodiscard]] EndNumbers parted(std::int32_t middle, std::int32_t difference, Place place);
+
+[[nodiscard]] PositionCode merged(const PositionCode& first, const PositionCode& second,
+                                  Place place);
 [[nodiscard]] Code merged(const Code& first, const Code& second, Placement placement);
-[[nodiscard]] Code difference(const Code& first, const Code& second);
 struct Ends {
   Code first;
   Code second;

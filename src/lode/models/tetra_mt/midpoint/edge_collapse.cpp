@@ -33,7 +33,7 @@ bool EdgeCollapser::collapse(const Choice& choice) {
   state_.is_there[global(other)] = 0;
   state_.keys[global(other)] = std::numeric_limits<float>::infinity();
   queue_.remove(other);
-  collapses_.push_back({global(star_.vertex), global(other), rule_.placement});
+  collapses_.push_back({global(star_.vertex), global(other), rule_.position});
   return true;
 }
 
@@ -77,15 +77,17 @@ std::optional<EdgeCollapser::Cover> EdgeCollapser::find_cover(std::size_t sample
 }
 
 /// F - F' in the field's unit, larger than it is by what doubles may round.
-double EdgeCollapser::error_of(const Cover& cover, std::uint32_t sample) const {
+double EdgeCollapser::error_of(const Cover& cover, std::uint32_t sample, std::size_t field) const {
+  const double at_new = value_[field].value;
   double made = 0;
   double size = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double rise = values_[edge_.link[edge_.triangles[cover.lane][k]]] - value_;
+    const std::uint32_t corner = edge_.link[edge_.triangles[cover.lane][k]];
+    const double rise = values_[corner * state_.n_fields + field] - at_new;
     made += cover.weights[k] * rise;
     size = std::max(size, std::abs(rise));
   }
-  const double error = state_.mesh.fields[0].values[sample] - value_ - made;
+  const double error = state_.sample(sample, field) - at_new - made;
   return error == 0 ? 0 : error + std::copysign(size * cover.rounding, error);
 }
 
@@ -97,8 +99,10 @@ bool EdgeCollapser::cover_samples() {
     const auto cover = find_cover(s);
     if (!cover) return false;
     covers_.push_back(*cover);
-    new_errors_.push_back(error_of(*cover, covered_.samples[s]));
-    if (!std::isfinite(new_errors_.back())) return false;
+    for (std::size_t f = 0; f < state_.n_fields; ++f) {
+      new_errors_.push_back(error_of(*cover, covered_.samples[s], f));
+      if (!std::isfinite(new_errors_.back())) return false;
+    }
   }
   return true;
 }
@@ -115,24 +119,31 @@ void EdgeCollapser::move_samples() {
     std::uint32_t& first = samples_[edge_.slots[covers_[s].lane]];
     state_.next_sample[sample] = first;
     first = sample;
-    state_.errors[sample] = static_cast<float>(new_errors_[s] * state_.value_scale);
+    for (std::size_t f = 0; f < state_.n_fields; ++f)
+      state_.errors_of(sample)[f] =
+          static_cast<float>(new_errors_[s * state_.n_fields + f] * state_.value_units[f]);
   }
 }
 
 /// Both ends are in the edge's link or among the samples, but for the star's vertex.
 void EdgeCollapser::note_facts() {
-  const double own = values_[star_.vertex];
-  EdgeFacts facts{0, std::min(own, value_), std::max(own, value_)};
+  for (std::size_t f = 0; f < state_.n_fields; ++f) note_facts(f);
+}
+void EdgeCollapser::note_facts(std::size_t field) {
+  const std::size_t n = state_.n_fields;
+  const double own = values_[star_.vertex * n + field];
+  const double made = value_[field].value;
+  EdgeFacts facts{0, std::min(own, made), std::max(own, made), value_[field].place};
   const auto widen = [&](double value) {
     facts.low = std::min(facts.low, value);
     facts.high = std::max(facts.high, value);
   };
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    facts.error = std::max(facts.error, std::abs(new_errors_[s]));
-    widen(state_.mesh.fields[0].values[covered_.samples[s]]);
+    facts.error = std::max(facts.error, std::abs(new_errors_[s * n + field]));
+    widen(state_.sample(covered_.samples[s], field));
   }
   for (int i = 0; i < edge_.n_link; ++i)
-    if (i != edge_.outside) widen(values_[edge_.link[static_cast<std::size_t>(i)]]);
+    if (i != edge_.outside) widen(values_[edge_.link[static_cast<std::size_t>(i)] * n + field]);
   facts_.push_back(facts);
 }
 
@@ -140,7 +151,11 @@ void EdgeCollapser::make_vertex(std::uint32_t other) {
   const std::uint32_t slot = global(star_.vertex);
   state_.codes[slot] = code_;
   state_.positions[slot] = positions_[star_.vertex] = state_.scales.position(code_);
-  state_.values[slot] = values_[star_.vertex] = value_;
+  const std::size_t n = state_.n_fields;
+  for (std::size_t f = 0; f < n; ++f) {
+    state_.value_codes[slot * n + f] = value_[f].code;
+    state_.values[slot * n + f] = values_[star_.vertex * n + f] = value_[f].value;
+  }
   state_.is_reference[slot] = 0;
   state_.is_reference[global(other)] = 0;
   state_.deviations[slot] = rule_.moved;

@@ -55,12 +55,14 @@ EdgeCollapser::EdgeCollapser(State& state, std::span<const std::uint32_t> vertic
       link_places_(vertices_.size(), kNoPlace) {
   for (std::size_t i = 0; i + 1 < vertices_.size(); ++i) {
     positions_.push_back(state.positions[vertices_[i]]);
-    values_.push_back(state.values[vertices_[i]]);
+    for (std::size_t f = 0; f < state.n_fields; ++f)
+      values_.push_back(state.values[vertices_[i] * state.n_fields + f]);
   }
   for (const std::uint32_t slot : slots) samples_.push_back(state.first_sample[slot]);
-  covered_.n_fields = 1;
-  fan_.kept_value.resize(1);
-  fan_.gradients.resize(1);
+  covered_.n_fields = state.n_fields;
+  fan_.kept_value.resize(state.n_fields);
+  fan_.gradients.resize(state.n_fields);
+  value_.resize(state.n_fields);
 }
 
 void EdgeCollapser::find_locked(std::size_t n) {
@@ -113,11 +115,18 @@ bool EdgeCollapser::owns_edge_to(std::uint32_t other) const {
 bool EdgeCollapser::make_fan_at(int place) {
   const std::uint32_t first = global(star_.vertex);
   const std::uint32_t second = global(star_.link[static_cast<std::size_t>(place)]);
-  code_ = merged(state_.codes[first], state_.codes[second], rule_.placement);
+  const std::size_t n_fields = state_.n_fields;
+  code_ = merged(state_.codes[first], state_.codes[second], rule_.position);
   at_ = (state_.scales.position(code_) - positions_[star_.vertex]) * scale_;
-  value_ = state_.scales.value(code_);
-  fan_.kept_value[0] = static_cast<float>((value_ - values_[star_.vertex]) * state_.value_scale);
-  lanes_.fill(edge_, link_, covered_.link_values, 1);
+  for (std::size_t f = 0; f < n_fields; ++f) {
+    NewValue& made = value_[f];
+    made.code = merged(state_.value_codes[first * n_fields + f],
+                       state_.value_codes[second * n_fields + f], made.place);
+    made.value = state_.field_scales[f].value(made.code);
+    fan_.kept_value[f] = static_cast<float>((made.value - values_[star_.vertex * n_fields + f]) *
+                                            state_.value_units[f]);
+  }
+  lanes_.fill(edge_, link_, covered_.link_values, n_fields);
   std::size_t n_flat = lanes_.n - static_cast<std::size_t>(edge_.n_triangles);
   if (edge_.outside >= 0)
     for (int i = 0; i < edge_.n_triangles; ++i) n_flat += edge_.has(i, edge_.outside) ? 1 : 0;

@@ -40,6 +40,7 @@ class EdgeCollapser {
   void find_keys(std::size_t n);
 
   [[nodiscard]] std::span<const EdgeCollapse> collapses() const { return collapses_; }
+  /// By collapse and field.
   [[nodiscard]] std::span<const EdgeFacts> facts() const { return facts_; }
   [[nodiscard]] std::uint64_t n_cells_gone() const { return n_gone_; }
   /// Puts what has changed into the state.
@@ -54,8 +55,14 @@ class EdgeCollapser {
   };
   /// Where the new vertex may lie.
   struct Rule {
-    Placement placement;
+    Place position;
     double moved;  ///< How far the boundary, or an interface, may be off then.
+  };
+  /// The new vertex's value of a field.
+  struct NewValue {
+    Place place;
+    std::int32_t code;
+    double value;
   };
   /// How a tetrahedron of a fan covers a sample, in doubles.
   struct Cover {
@@ -80,10 +87,11 @@ class EdgeCollapser {
   [[nodiscard]] int n_cells_beside(int place) const;
 
   // edge_rules.cpp: where the new vertex lies.
-  [[nodiscard]] int extremum(const Star& star) const;
+  void find_extrema(const Star& star, std::vector<int>& found) const;
   void find_interfaces_of(const Star& star, Interfaces& found) const;
   [[nodiscard]] double height(const Star& star, const Interfaces& interfaces, int kept) const;
-  [[nodiscard]] std::optional<Rule> rule_of(int place) const;
+  [[nodiscard]] std::optional<Rule> rule_of(int place);
+  [[nodiscard]] bool find_value_places(Place position);
   [[nodiscard]] bool keeps_regions(int place) const;
 
   [[nodiscard]] bool make_fan_at(int place);
@@ -96,10 +104,11 @@ class EdgeCollapser {
   [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] Cover cover_by(std::size_t lane, std::uint32_t sample) const;
   [[nodiscard]] std::optional<Cover> find_cover(std::size_t sample) const;
-  [[nodiscard]] double error_of(const Cover& cover, std::uint32_t sample) const;
+  [[nodiscard]] double error_of(const Cover& cover, std::uint32_t sample, std::size_t field) const;
   [[nodiscard]] bool cover_samples();
   void move_samples();
   void note_facts();
+  void note_facts(std::size_t field);
   void make_vertex(std::uint32_t other);
 
   State& state_;
@@ -109,7 +118,7 @@ class EdgeCollapser {
   StarGatherer gatherer_;
   CollapseQueue queue_;
   std::vector<Vec3d> positions_;           ///< By own and other vertex.
-  std::vector<double> values_;             ///< Likewise.
+  std::vector<double> values_;             ///< Likewise, and by field.
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   std::vector<std::uint8_t>
@@ -117,11 +126,12 @@ class EdgeCollapser {
 
   Star star_;  ///< Of the vertex whose edges are looked at,
   Interfaces interfaces_;
-  int extremum_ = 0;
+  std::vector<int> extrema_;  ///< By field: 1 of a maximum, -1 of a minimum, else 0.
   std::size_t n_own_samples_ = 0;
   double own_cost_ = 0;
   Star other_;  ///< of the other end,
   Interfaces other_interfaces_;
+  std::vector<int> other_extrema_;
   int place_in_other_ = -1;                 ///< Of the first end.
   std::array<int, Star::kMaxLink> joined_;  ///< By place in the other's link: in the edge's.
   Star edge_;  ///< and what is round both: its link's first places are the star's, both ends' none.
@@ -131,12 +141,12 @@ class EdgeCollapser {
   StarSamples covered_;
   Fan fan_;
   Rule rule_{};
-  Code code_{};
-  Vec3d at_;          ///< The new vertex, as link_.
-  double value_ = 0;  ///< And its value.
+  PositionCode code_{};
+  Vec3d at_;                     ///< The new vertex, as link_,
+  std::vector<NewValue> value_;  ///< and by field its values.
   std::vector<Choice> choices_;
   std::vector<Cover> covers_;       ///< Of a collapse, by sample.
-  std::vector<double> new_errors_;  ///< Likewise.
+  std::vector<double> new_errors_;  ///< Likewise, and by field.
   std::vector<EdgeCollapse> collapses_;
   std::vector<EdgeFacts> facts_;
   std::uint64_t n_gone_ = 0;

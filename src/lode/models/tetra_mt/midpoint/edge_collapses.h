@@ -17,9 +17,10 @@ struct EdgeCollapseOptions {
 
 struct EdgeCollapses {
   std::vector<EdgeCollapse> collapses;  ///< In an order that can be done again.
-  std::vector<EdgeFacts> facts;         ///< By collapse.
+  std::vector<EdgeFacts> facts;         ///< By collapse and field.
   std::uint64_t n_base_cells = 0;
-  /// By vertex of the mesh: F - F' on the base, as shares of the range; 0 for its vertices.
+  /// By vertex of the mesh and field: F - F' on the base, as shares of the fields' ranges; 0 for
+  /// its vertices.
   std::vector<float> errors;
   double boundary_deviation = 0;  ///< As HalfEdgeCollapses'.
   double volume_change = 0;       ///< The base's volume less the reference's.
@@ -28,14 +29,15 @@ struct EdgeCollapses {
 /// Collapses edges to their midpoints until few cells are left, or none may go: the edge first
 /// whose going adds least to what errors at all samples cost, for each cell that goes with it
 /// (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2). Samples are the vertices of
-/// the reference that are no more in the mesh. The new vertex has the mean of the values, or that
-/// of the end which is an extremum of the mesh as it is; not both ends may be. The mesh stays what
-/// it is, topologically; its boundary, and what lies between regions, stays in its planes, but for
-/// rounding: an end that may not go along the edge keeps its place, and the other one comes there,
-/// with its value. No tetrahedron that comes is flat or turned round, no vertex has more than
-/// kMaxLink beside it. In rounds of blocks in space; the same comes of any number of threads. Fails
-/// when a face has more than two tetrahedra, a value is not finite, a region has no id, or there is
-/// not one field.
+/// the reference that are no more in the mesh; errors of all fields count, as shares of their
+/// ranges. Of each field the new vertex has the mean of the values, or that of the end which is an
+/// extremum of it in the mesh as it is; a maximum and a minimum do not collapse. The mesh stays
+/// what it is, topologically; its boundary, and what lies between regions, stays in its planes, but
+/// for rounding: an end that may not go along the edge keeps its place, and the other one comes
+/// there, with its value. No tetrahedron that comes is flat or turned round, no vertex has more
+/// than kMaxLink beside it. In rounds of blocks in space; the same comes of any number of threads.
+/// Fails when a face has more than two tetrahedra, a value is not finite, a region has no id, or
+/// there is no field.
 [[nodiscard]] Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh,
                                                    const EdgeCollapseOptions& options,
                                                    Progress& progress);

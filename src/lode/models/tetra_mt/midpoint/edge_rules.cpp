@@ -14,18 +14,34 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-/// 1 where all beside a vertex have lower values, -1 where all have higher ones.
-int EdgeCollapser::extremum(const Star& star) const {
-  const double own = values_[star.vertex];
-  bool has_lower = false;
-  bool has_higher = false;
-  for (int i = 0; i < star.n_link; ++i) {
-    if (i == star.outside) continue;
-    const double value = values_[star.link[static_cast<std::size_t>(i)]];
-    has_lower = has_lower || value <= own;
-    has_higher = has_higher || value >= own;
+/// By field 1 where all beside a vertex have lower values, -1 where all have higher ones.
+void EdgeCollapser::find_extrema(const Star& star, std::vector<int>& found) const {
+  const std::size_t n = state_.n_fields;
+  found.resize(n);
+  for (std::size_t f = 0; f < n; ++f) {
+    const double own = values_[star.vertex * n + f];
+    bool has_lower = false;
+    bool has_higher = false;
+    for (int i = 0; i < star.n_link; ++i) {
+      if (i == star.outside) continue;
+      const double value = values_[star.link[static_cast<std::size_t>(i)] * n + f];
+      has_lower = has_lower || value <= own;
+      has_higher = has_higher || value >= own;
+    }
+    found[f] = has_higher ? (has_lower ? 0 : -1) : 1;
   }
-  return has_higher ? (has_lower ? 0 : -1) : 1;
+}
+
+/// Of each field the value of the end that is an extremum, or that which lies there. False where
+/// one end is a maximum of a field, and the other a minimum.
+bool EdgeCollapser::find_value_places(Place position) {
+  for (std::size_t f = 0; f < state_.n_fields; ++f) {
+    if (extrema_[f] * other_extrema_[f] < 0) return false;
+    value_[f].place = extrema_[f] != 0         ? Place::first
+                      : other_extrema_[f] != 0 ? Place::second
+                                               : position;
+  }
+  return true;
 }
 
 void EdgeCollapser::find_interfaces_of(const Star& star, Interfaces& found) const {
@@ -66,31 +82,26 @@ double EdgeCollapser::height(const Star& star, const Interfaces& interfaces, int
 }
 
 /// In the middle where both ends may go along the edge; else where the one is that may not.
-std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) const {
-  const int other_extremum = extremum(other_);
-  if (extremum_ * other_extremum < 0) return {};
-  Rule rule;
+std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) {
+  Rule rule{Place::middle, 0};
   const std::uint32_t end = global(star_.link[static_cast<std::size_t>(place)]);
   rule.moved = std::max(state_.deviations[global(star_.vertex)], state_.deviations[end]);
   const double first = height(star_, interfaces_, place);
   const double second = height(other_, other_interfaces_, place_in_other_);
   double out = std::max(first, second);
   if (out == kInfinite) {
-    rule.placement.position = second == kInfinite ? Place::second : Place::first;
+    rule.position = second == kInfinite ? Place::second : Place::first;
     out = std::min(first, second);
   }
   rule.moved += out;
-  if (!(rule.moved <= state_.deviation_limit)) return {};
-  rule.placement.value = extremum_ != 0        ? Place::first
-                         : other_extremum != 0 ? Place::second
-                                               : rule.placement.position;
+  if (!(rule.moved <= state_.deviation_limit) || !find_value_places(rule.position)) return {};
   return rule;
 }
 
 /// Expects the link condition of the mesh.
 bool EdgeCollapser::keeps_regions(int place) const {
   if (state_.labels.empty()) return true;
-  return rule_.placement.position == Place::first
+  return rule_.position == Place::first
              ? keeps_interfaces(other_, other_interfaces_, place_in_other_, star_, interfaces_)
              : keeps_interfaces(star_, interfaces_, place, other_, other_interfaces_);
 }

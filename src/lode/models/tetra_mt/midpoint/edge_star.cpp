@@ -15,7 +15,7 @@ constexpr int kNowhere = -1;
 /// What all edges of a vertex have in common.
 void EdgeCollapser::look_at_star() {
   find_interfaces_of(star_, interfaces_);
-  extremum_ = extremum(star_);
+  find_extrema(star_, extrema_);
   double largest = 0;
   for (int i = 0; i < star_.n_link; ++i) {
     if (i == star_.outside) continue;
@@ -24,7 +24,7 @@ void EdgeCollapser::look_at_star() {
     for (const double x : way.v) largest = std::max(largest, std::abs(x));
   }
   scale_ = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
-  covered_.link_values.assign(Star::kMaxLink, 0);
+  covered_.link_values.assign(Star::kMaxLink * state_.n_fields, 0);
   for (int i = 0; i < star_.n_link; ++i)
     if (i != star_.outside) add_link_vertex(i, star_.link[static_cast<std::size_t>(i)]);
   edge_.vertex = star_.vertex;
@@ -41,8 +41,10 @@ void EdgeCollapser::look_at_star() {
 void EdgeCollapser::add_link_vertex(int at, std::uint32_t vertex) {
   const auto i = static_cast<std::size_t>(at);
   link_[i] = (positions_[vertex] - positions_[star_.vertex]) * scale_;
-  covered_.link_values[i] =
-      static_cast<float>((values_[vertex] - values_[star_.vertex]) * state_.value_scale);
+  const std::size_t n = state_.n_fields;
+  for (std::size_t f = 0; f < n; ++f)
+    covered_.link_values[i * n + f] = static_cast<float>(
+        (values_[vertex * n + f] - values_[star_.vertex * n + f]) * state_.value_units[f]);
 }
 
 void EdgeCollapser::add_sample(std::uint32_t sample) {
@@ -52,16 +54,18 @@ void EdgeCollapser::add_sample(std::uint32_t sample) {
     covered_.x.resize(2 * at + 1);
     covered_.y.resize(2 * at + 1);
     covered_.z.resize(2 * at + 1);
-    covered_.values.resize(2 * at + 1);
+    covered_.values.resize((2 * at + 1) * state_.n_fields);
   }
   const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
   covered_.x[at] = static_cast<float>(p[0]);
   covered_.y[at] = static_cast<float>(p[1]);
   covered_.z[at] = static_cast<float>(p[2]);
-  const double value = state_.mesh.fields[0].values[sample];
-  covered_.values[at] = static_cast<float>((value - values_[star_.vertex]) * state_.value_scale);
-  const auto error = static_cast<double>(state_.errors[sample]);
-  covered_.cost += cost_of(error);
+  const std::size_t n = state_.n_fields;
+  for (std::size_t f = 0; f < n; ++f)
+    covered_.values[at * n + f] = static_cast<float>(
+        (state_.sample(sample, f) - values_[star_.vertex * n + f]) * state_.value_units[f]);
+  for (const float error : state_.errors_of(sample))
+    covered_.cost += cost_of(static_cast<double>(error));
 }
 
 void EdgeCollapser::add_samples_of(std::uint32_t slot) {
@@ -123,6 +127,7 @@ bool EdgeCollapser::look_at_edge(int place) {
   if (state_.is_reference[global(end)] != 0) add_sample(global(end));
   join_triangles(place);
   find_interfaces_of(other_, other_interfaces_);
+  find_extrema(other_, other_extrema_);
   return edge_.n_triangles < Star::kMaxTriangles;
 }
 

@@ -3,59 +3,88 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/file_layout.h"
 #include "lode/store/bytes.h"
 
 namespace lode::tetra_mt::midpoint {
 namespace {
 
-Result<void> read_field(store::ByteReader& in, const std::string& path, ForestHead& head) {
-  LODE_TRY(head.field, in.read_string());
-  LODE_TRY(const auto type, in.read<std::uint8_t>());
-  head.type = static_cast<ScalarType>(type);
-  if (!is_valid(head.type))
-    return fail("{}: metadata: expected a sample type 1..10, got {}", path, type);
-  LODE_TRY(head.base_error, in.read<double>());
-  if (!(head.base_error >= 0))
-    return fail("{}: metadata: expected an error >= 0, got {}", path, head.base_error);
-  LODE_TRY(head.low, in.read<double>());
-  LODE_TRY(head.high, in.read<double>());
-  if (!(head.low <= head.high) || !std::isfinite(head.low) || !std::isfinite(head.high - head.low))
-    return fail("{}: metadata: expected a finite range of {}, got {} to {}", path, head.field,
-                head.low, head.high);
-  return {};
+Result<Scale> read_scale(store::ByteReader& in, const std::string& path) {
+  LODE_TRY(const auto exponent, in.read<std::int32_t>());
+  LODE_TRY(const auto first, in.read<std::int64_t>());
+  if (!Scale::is_valid(exponent, first))
+    return fail("{}: metadata: expected steps of finite numbers, got 2^{} from {} on", path,
+                exponent, first);
+  return Scale(exponent, first);
 }
 
-Result<Scales> read_scales(store::ByteReader& in, const std::string& path) {
-  std::array<Scale, 4> axes;
-  for (Scale& axis : axes) {
-    LODE_TRY(const auto exponent, in.read<std::int32_t>());
-    LODE_TRY(const auto first, in.read<std::int64_t>());
-    if (!Scale::is_valid(exponent, first))
-      return fail("{}: metadata: expected steps of finite numbers, got 2^{} from {} on", path,
-                  exponent, first);
-    axis = Scale(exponent, first);
-  }
-  return Scales(axes);
+Result<double> read_largest(store::ByteReader& in, const std::string& path, const char* what) {
+  LODE_TRY(const double number, in.read<double>());
+  if (number >= 0 && std::isfinite(number)) return number;
+  return fail("{}: metadata: expected a largest {} >= 0, got {}", path, what, number);
 }
 
 Result<NodeCodes> read_codes(store::ByteReader& in, const std::string& path,
-                             const ForestHead& head) {
-  LODE_TRY(const double error, in.read<double>());
-  LODE_TRY(const double radius, in.read<double>());
-  if (!(error >= 0) || !(radius >= 0) || !std::isfinite(error) || !std::isfinite(radius))
-    return fail("{}: metadata: expected a largest error and radius >= 0, got {} and {}", path,
-                error, radius);
+                             const ForestField& field) {
+  LODE_TRY(const double error, read_largest(in, path, "error"));
   NodeCodes::Knots knots{};
   for (double& knot : knots) {
     LODE_TRY(knot, in.read<double>());
   }
-  if (!std::ranges::is_sorted(knots) || knots.front() != head.low || knots.back() != head.high ||
+  if (!std::ranges::is_sorted(knots) || knots.front() != field.low || knots.back() != field.high ||
       std::ranges::any_of(knots, [](double knot) { return !std::isfinite(knot); }))
     return fail("{}: metadata: expected knots that ascend from {} to {}, got {} to {}", path,
-                head.low, head.high, knots.front(), knots.back());
-  return NodeCodes(knots, error, radius);
+                field.low, field.high, knots.front(), knots.back());
+  return NodeCodes(knots, error);
+}
+
+Result<ForestField> read_field(store::ByteReader& in, const std::string& path) {
+  ForestField field;
+  LODE_TRY(field.name, in.read_string());
+  LODE_TRY(const auto type, in.read<std::uint8_t>());
+  field.type = static_cast<ScalarType>(type);
+  if (!is_valid(field.type))
+    return fail("{}: metadata: expected a sample type 1..10, got {}", path, type);
+  LODE_TRY(field.base_error, in.read<double>());
+  if (!(field.base_error >= 0))
+    return fail("{}: metadata: expected an error >= 0, got {}", path, field.base_error);
+  LODE_TRY(field.low, in.read<double>());
+  LODE_TRY(field.high, in.read<double>());
+  if (!(field.low <= field.high) || !std::isfinite(field.low) ||
+      !std::isfinite(field.high - field.low))
+    return fail("{}: metadata: expected a finite range of {}, got {} to {}", path, field.name,
+                field.low, field.high);
+  LODE_TRY(field.scale, read_scale(in, path));
+  LODE_TRY(field.codes, read_codes(in, path, field));
+  return field;
+}
+
+Result<void> read_fields(store::ByteReader& in, const std::string& path, ForestHead& head) {
+  LODE_TRY(const auto n, in.read<std::uint32_t>());
+  if (n == 0 || n > kMaxFields)
+    return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields, n);
+  for (std::uint32_t f = 0; f < n; ++f) {
+    LODE_TRY(auto field, read_field(in, path));
+    head.fields.push_back(std::move(field));
+  }
+  return {};
+}
+
+void write_scale(const Scale& scale, store::ByteWriter& out) {
+  out.write(static_cast<std::int32_t>(scale.exponent()));
+  out.write(scale.first());
+}
+
+void write_field(const ForestField& field, store::ByteWriter& out) {
+  out.write_string(field.name);
+  out.write(static_cast<std::uint8_t>(field.type));
+  for (const double x : {field.base_error, field.low, field.high}) out.write(x);
+  write_scale(field.scale, out);
+  out.write(field.codes.largest_error());
+  for (const double knot : field.codes.knots()) out.write(knot);
 }
 
 Result<void> check_counts(const ForestHead& head, const ForestCounts& counts,
@@ -89,16 +118,10 @@ std::vector<std::byte> encode_head(const ForestHead& head) {
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
   write_labels(labels_of(head), out);
-  out.write_string(head.field);
-  out.write(static_cast<std::uint8_t>(head.type));
-  for (const double x : {head.base_error, head.low, head.high}) out.write(x);
-  for (const Scale& axis : head.scales.axes()) {
-    out.write(static_cast<std::int32_t>(axis.exponent()));
-    out.write(axis.first());
-  }
-  out.write(head.codes.largest_error());
-  out.write(head.codes.largest_radius());
-  for (const double knot : head.codes.knots()) out.write(knot);
+  for (const Scale& axis : head.scales.axes()) write_scale(axis, out);
+  out.write(head.radii.largest());
+  out.write(static_cast<std::uint32_t>(head.fields.size()));
+  for (const ForestField& field : head.fields) write_field(field, out);
   return std::move(out).take();
 }
 
@@ -121,9 +144,14 @@ Result<ForestHead> decode_head(std::span<const std::byte> bytes, const std::stri
   LODE_TRY(head.boundary_deviation, read_deviation(in, path));
   LODE_TRY(HeadLabels labels, read_labels(in, path));
   take_labels(std::move(labels), head);
-  LODE_CHECK(read_field(in, path, head));
-  LODE_TRY(head.scales, read_scales(in, path));
-  LODE_TRY(head.codes, read_codes(in, path, head));
+  std::array<Scale, 3> axes;
+  for (Scale& axis : axes) {
+    LODE_TRY(axis, read_scale(in, path));
+  }
+  head.scales = Scales(axes);
+  LODE_TRY(const double radius, read_largest(in, path, "radius"));
+  head.radii = RadiusCodes(radius);
+  LODE_CHECK(read_fields(in, path, head));
   LODE_CHECK(in.expect_end());
   LODE_CHECK(check_counts(head, counts, path));
   return head;

@@ -13,7 +13,14 @@
 
 namespace lode::tetra_mt::midpoint {
 
-enum class Kind : std::uint32_t { table = 1, roots = 2, base_tetrahedra = 3, page = 4 };
+enum class Kind : std::uint32_t {
+  table = 1,
+  roots = 2,
+  base_tetrahedra = 3,
+  page = 4,
+  field_roots = 5,
+  field_page = 6,
+};
 
 /// Of the metadata and the blocks; files of another one are refused.
 inline constexpr std::uint32_t kLayout = 2;
@@ -21,8 +28,12 @@ inline constexpr std::uint32_t kLayout = 2;
 /// Pages of which a block of the table tells.
 inline constexpr std::uint32_t kTablePart = 1U << 12;
 
-[[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number) {
-  return {static_cast<std::uint32_t>(kind), 0, {{static_cast<std::int32_t>(number), 0, 0}}};
+/// `field`: of what belongs to one but the first.
+[[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number,
+                                            std::size_t field = 0) {
+  return {static_cast<std::uint32_t>(kind),
+          static_cast<std::uint32_t>(field),
+          {{static_cast<std::int32_t>(number), 0, 0}}};
 }
 
 /// How many the blocks have.

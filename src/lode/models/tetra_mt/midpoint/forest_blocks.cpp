@@ -3,69 +3,16 @@
 #include "lode/models/tetra_mt/midpoint/forest_blocks.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <utility>
 
 #include "lode/models/tetra_mt/midpoint/forest_links.h"
 #include "lode/models/tetra_mt/midpoint/forest_records.h"
+#include "lode/models/tetra_mt/midpoint/offset_coder.h"
 #include "lode/models/tetra_mt/packed_hierarchy.h"
 
 namespace lode::tetra_mt::midpoint {
 namespace {
-
-/// Codes how far leaves are off what their codes say: whole numbers of so many halvings of a step.
-template <typename Coder>
-class OffsetCoder {
- public:
-  OffsetCoder(Coder& coder, const Scales& scales, const std::string& what)
-      : coder_(coder), scales_(scales), what_(what) {}
-
-  /// In place.
-  Result<void> code(LeafOffset& offset) {
-    for (std::size_t axis = 0; axis < 4; ++axis) LODE_CHECK(code(axis, offset.axes[axis]));
-    return {};
-  }
-
- private:
-  Result<void> code(std::size_t axis, double& offset) {
-    Axis& models = axes_[axis];
-    const bool is_negative = std::signbit(offset);
-    if (!coder_.bit(models.is_any, offset != 0 || is_negative)) {
-      offset = 0;
-      return {};
-    }
-    int exponent = 0;
-    auto size = static_cast<std::uint64_t>(std::ldexp(std::frexp(std::abs(offset), &exponent), 53));
-    exponent -= 53;
-    if (size != 0) {
-      exponent += std::countr_zero(size);
-      size >>= std::countr_zero(size);
-    } else {
-      exponent = std::ilogb(scales_.axes()[axis].step());
-    }
-    const int step = std::ilogb(scales_.axes()[axis].step());
-    exponent = step - unfolded(models.halvings.code(coder_, folded(step - exponent)));
-    size = models.sizes.code(coder_, size);
-    if (size >= std::uint64_t{1} << 53)
-      return fail("{}: expected offsets of 53 bits, got {}", what_, size);
-    const bool is_below = coder_.bit(models.is_negative, is_negative);
-    offset = std::ldexp(static_cast<double>(size), exponent);
-    if (is_below) offset = -offset;
-    return check_offset(offset, scales_.axes()[axis], what_);
-  }
-
-  struct Axis {
-    BitModel is_any;
-    NumberModel halvings;
-    WideModel sizes;
-    BitModel is_negative;
-  };
-
-  Coder& coder_;
-  const Scales& scales_;
-  const std::string& what_;
-  std::array<Axis, 4> axes_;
-};
 
 /// Codes a page from first to last; a writer what it is given, and then all it makes is the same.
 template <typename Coder>
@@ -109,7 +56,7 @@ class PageCoder {
   Result<void> code_facts() {
     made_.far_facts.resize(made_.records.size());
     if (given_ != nullptr) made_.far_facts = given_->far_facts;
-    FactsCoder<Coder> facts(coder_, head_.codes, what_);
+    FactsCoder<Coder> facts(coder_, head_.fields[0].codes, what_);
     for (const std::uint32_t place : trees_.order()) {
       const auto [first, second] = made_.children[place];
       const bool is_known = trees_.is_near(made_.parents[place]);
@@ -128,21 +75,17 @@ class PageCoder {
   }
 
   Result<void> code_exact() {
-    BitModel is_any;
-    if (!coder_.bit(is_any, given_ != nullptr && !given_->exact.empty())) return {};
-    OffsetCoder<Coder> offsets(coder_, head_.scales, what_);
-    std::size_t next = 0;
-    for (std::uint32_t leaf = head_.pages.first_leaf(page_);
-         leaf < head_.pages.first_leaf(page_ + 1); ++leaf) {
-      const bool has_given =
-          given_ != nullptr && next < given_->exact.size() && given_->exact[next].first == leaf;
-      if (!coder_.bit(is_any, has_given)) continue;
-      LeafOffset offset;
-      if (has_given) offset = given_->exact[next++].second;
-      LODE_CHECK(offsets.code(offset));
-      made_.exact.emplace_back(leaf, offset);
-    }
-    return {};
+    const auto& scales = head_.scales.axes();
+    std::array<OffsetCoder<Coder>, 4> axes{{{coder_, scales[0], what_},
+                                            {coder_, scales[1], what_},
+                                            {coder_, scales[2], what_},
+                                            {coder_, head_.fields[0].scale, what_}}};
+    const auto code = [&](LeafOffset& offset) -> Result<void> {
+      for (std::size_t axis = 0; axis < 4; ++axis) LODE_CHECK(axes[axis].code(offset.axes[axis]));
+      return {};
+    };
+    return code_offsets(coder_, head_.pages, page_, given_ != nullptr ? &given_->exact : nullptr,
+                        code, made_.exact);
   }
 
   Result<void> code_regions() {

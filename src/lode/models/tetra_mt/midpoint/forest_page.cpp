@@ -4,6 +4,22 @@
 
 namespace lode::tetra_mt::midpoint {
 
+namespace {
+
+/// Of a page's leaves.
+template <typename Offset>
+LeafOffsets<Offset> exact_of(const LeafOffsets<Offset>& all, const PageTable& table,
+                             std::uint32_t page) {
+  LeafOffsets<Offset> found;
+  const auto leaves = all.leaves();
+  auto at = std::ranges::lower_bound(leaves, table.first_leaf(page));
+  for (; at != leaves.end() && *at < table.first_leaf(page + 1); ++at)
+    found.add(*at, *all.find(*at));
+  return found;
+}
+
+}  // namespace
+
 ForestContent content_of(const Hierarchy& hierarchy, std::uint32_t page) {
   ForestContent content;
   content.levels = hierarchy.page_levels[page];
@@ -28,11 +44,23 @@ ForestContent content_of(const Hierarchy& hierarchy, std::uint32_t page) {
     content.regions.items.insert(content.regions.items.end(), regions.begin(), regions.end());
     content.regions.end_list();
   }
-  const auto leaves = hierarchy.exact.leaves();
-  auto at = std::ranges::lower_bound(leaves, hierarchy.pages.first_leaf(page));
-  for (; at != leaves.end() && *at < hierarchy.pages.first_leaf(page + 1); ++at)
-    content.exact.emplace_back(*at, *hierarchy.exact.find(*at));
+  content.exact = exact_of(hierarchy.exact, hierarchy.pages, page);
   return content;
+}
+
+FieldPage field_page_of(const Hierarchy& hierarchy, const FurtherField& field, std::uint32_t page) {
+  FieldPage made;
+  const auto facts_of = [&](std::uint32_t child) {
+    return hierarchy.is_leaf(child) ? 0 : field.nodes[child - hierarchy.n_vertices].facts();
+  };
+  for (std::uint32_t place = 0; place < hierarchy.pages.n_nodes_of(page); ++place) {
+    const std::uint32_t node = hierarchy.pages.node_at(page, place);
+    const FieldRecord& record = field.nodes[node];
+    const auto [first, second] = hierarchy.children(node);
+    made.nodes.push_back({record.difference, record.place(), {facts_of(first), facts_of(second)}});
+  }
+  made.exact = exact_of(field.exact, hierarchy.pages, page);
+  return made;
 }
 
 ForestPage::ForestPage(const ForestContent& content, const PageTable& table, std::uint32_t page,
@@ -40,7 +68,8 @@ ForestPage::ForestPage(const ForestContent& content, const PageTable& table, std
     : records_(content.records),
       biases_(table.biases_of(page)),
       n_vertices_(n_vertices),
-      first_leaf_(table.first_leaf(page)) {
+      first_leaf_(table.first_leaf(page)),
+      exact_(content.exact) {
   std::uint32_t n_groups = 0;
   for (const std::uint16_t end : table.ends_of(page))
     groups_.resize(end, static_cast<std::uint8_t>(n_groups++));
@@ -73,7 +102,6 @@ ForestPage::ForestPage(const ForestContent& content, const PageTable& table, std
   }
   far_.shrink_to_fit();
   far_parents_.shrink_to_fit();
-  for (const auto& [leaf, offset] : content.exact) exact_.add(leaf, offset);
 }
 
 std::span<const std::uint32_t> ForestPage::regions(std::uint32_t place) const {

@@ -21,14 +21,33 @@ struct ForestContent {
   std::vector<std::uint32_t> parents;  ///< Labels; kNone of roots.
   /// By place: facts of children that are nodes of other pages, 0 of others.
   std::vector<std::array<std::uint32_t, 2>> far_facts;
-  std::vector<std::pair<std::uint32_t, LeafOffset>> exact;  ///< By leaf, which ascend.
-  Lists<std::uint32_t> regions;                             ///< By place: Hierarchy::regions_of().
+  ExactLeaves exact;
+  Lists<std::uint32_t> regions;  ///< By place: Hierarchy::regions_of().
 
   [[nodiscard]] std::uint32_t n_nodes() const { return static_cast<std::uint32_t>(records.size()); }
   friend bool operator==(const ForestContent&, const ForestContent&) = default;
 };
 
 [[nodiscard]] ForestContent content_of(const Hierarchy& hierarchy, std::uint32_t page);
+
+/// What a page has of a further field, in memory as in files: 16 bytes a node, by place.
+struct FieldPage {
+  struct Node {
+    std::int32_t difference = 0;  ///< Of the ends' values.
+    Place place = Place::middle;  ///< Whose value the vertex has.
+    /// Of its ends, without balls; 0 of leaves.
+    std::array<std::uint32_t, 2> child_facts{};
+
+    friend bool operator==(const Node&, const Node&) = default;
+  };
+  std::vector<Node> nodes;
+  ExactValues exact;
+
+  friend bool operator==(const FieldPage&, const FieldPage&) = default;
+};
+
+[[nodiscard]] FieldPage field_page_of(const Hierarchy& hierarchy, const FurtherField& field,
+                                      std::uint32_t page);
 
 /// The same in memory, with links of 16 bits: about 42 bytes a node.
 class ForestPage {

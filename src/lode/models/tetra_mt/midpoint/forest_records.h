@@ -16,11 +16,59 @@
 
 namespace lode::tetra_mt::midpoint {
 
+/// Codes differences of codes, each kind with models of its own.
+template <typename Coder>
+class StepCoder {
+ public:
+  StepCoder(Coder& coder, const std::string& what) : coder_(coder), what_(what) {}
+
+  /// In place; returns how many bits its size has. `view`: below 8, what that depends on;
+  /// `n_leaves`: of the two whose difference it is.
+  Result<std::uint32_t> code(std::uint32_t view, std::uint32_t n_leaves, std::int32_t& step) {
+    const std::uint32_t given =
+        step < 0 ? 0U - static_cast<std::uint32_t>(step) : static_cast<std::uint32_t>(step);
+    const std::uint32_t n =
+        n_bits_[view].code(coder_, static_cast<std::uint32_t>(std::bit_width(given)));
+    if (n == 0) {
+      step = 0;
+      return n;
+    }
+    std::uint32_t n_zeros =
+        std::min(static_cast<std::uint32_t>(std::countr_zero(given | 1U << 31)), kMostZeros);
+    n_zeros = n_zeros_[n_leaves].code(coder_, n_zeros);
+    if (n_zeros >= n) return fail("{}: expected fewer than {} zeros, got {}", what_, n, n_zeros);
+    // Of the rest the highest bit is known, and the lowest where it is what ends the zeros.
+    std::uint32_t size = given >> n_zeros;
+    const std::uint32_t n_left = n - n_zeros;
+    const bool is_odd = n_zeros < kMostZeros && n_left > 1;
+    const auto n_coded = static_cast<int>(n_left - 1 - (is_odd ? 1 : 0));
+    size = static_cast<std::uint32_t>(
+        code_behind_highest(coder_, behind_[n], n_coded, size >> (is_odd ? 1 : 0)));
+    size = (is_odd ? 2 * size + 1 : size) << n_zeros;
+    const bool is_negative = coder_.bit(is_negative_, step < 0);
+    step = static_cast<std::int32_t>(is_negative ? 0U - size : size);
+    return n;
+  }
+
+ private:
+  static constexpr std::uint32_t kMostZeros = 15;
+
+  Coder& coder_;
+  const std::string& what_;
+  std::array<SymbolModel<5>, 8> n_bits_;
+  std::array<SymbolModel<4>, 3> n_zeros_;
+  std::array<std::array<BitModel, 8>, 32> behind_;
+  BitModel is_negative_;
+};
+
 /// Codes what of a record is not facts. Readers are given records of zeros.
 template <typename Coder>
 class RecordCoder {
  public:
-  RecordCoder(Coder& coder, const std::string& what) : coder_(coder), what_(what) {}
+  RecordCoder(Coder& coder, const std::string& what)
+      : coder_(coder),
+        what_(what),
+        axes_{{{coder, what}, {coder, what}, {coder, what}, {coder, what}}} {}
 
   /// One more, in place. `n_leaves`: of its ends.
   Result<void> code(NodeRecord& record, std::uint32_t n_leaves) {
@@ -31,7 +79,8 @@ class RecordCoder {
       return fail("{}: expected one of three places, got {} and {}", what_, position, value);
     std::uint32_t beside = 0;
     for (std::size_t axis = 0; axis < 4; ++axis) {
-      LODE_TRY(beside, code_step(axis, n_leaves, beside, record.difference[axis]));
+      LODE_TRY(beside, axes_[axis].code(axis == 0 ? n_leaves : beside / 4, n_leaves,
+                                        record.difference[axis]));
     }
     std::uint64_t mask = record.mask[0] | std::uint64_t{record.mask[1] & kHighMask} << 32;
     LODE_CHECK(code_mask(mask));
@@ -42,36 +91,6 @@ class RecordCoder {
 
  private:
   static constexpr std::uint32_t kHighMask = (1U << 28) - 1;
-  static constexpr std::uint32_t kMostZeros = 15;
-
-  /// Returns how many bits its size has.
-  Result<std::uint32_t> code_step(std::size_t axis, std::uint32_t n_leaves, std::uint32_t beside,
-                                  std::int32_t& step) {
-    const std::uint32_t given =
-        step < 0 ? 0U - static_cast<std::uint32_t>(step) : static_cast<std::uint32_t>(step);
-    Axis& models = axes_[axis];
-    const std::uint32_t n = models.n_bits[axis == 0 ? n_leaves : beside / 4].code(
-        coder_, static_cast<std::uint32_t>(std::bit_width(given)));
-    if (n == 0) {
-      step = 0;
-      return n;
-    }
-    std::uint32_t n_zeros =
-        std::min(static_cast<std::uint32_t>(std::countr_zero(given | 1U << 31)), kMostZeros);
-    n_zeros = models.n_zeros[n_leaves].code(coder_, n_zeros);
-    if (n_zeros >= n) return fail("{}: expected fewer than {} zeros, got {}", what_, n, n_zeros);
-    // Of the rest the highest bit is known, and the lowest where it is what ends the zeros.
-    std::uint32_t size = given >> n_zeros;
-    const std::uint32_t n_left = n - n_zeros;
-    const bool is_odd = n_zeros < kMostZeros && n_left > 1;
-    const auto n_coded = static_cast<int>(n_left - 1 - (is_odd ? 1 : 0));
-    size = static_cast<std::uint32_t>(
-        code_behind_highest(coder_, models.behind[n], n_coded, size >> (is_odd ? 1 : 0)));
-    size = (is_odd ? 2 * size + 1 : size) << n_zeros;
-    const bool is_negative = coder_.bit(models.is_negative, step < 0);
-    step = static_cast<std::int32_t>(is_negative ? 0U - size : size);
-    return n;
-  }
 
   /// How many bits it has to the highest that is 1, and those below in view of three before.
   Result<void> code_mask(std::uint64_t& mask) {
@@ -89,25 +108,27 @@ class RecordCoder {
     return {};
   }
 
-  struct Axis {
-    std::array<SymbolModel<5>, 8> n_bits;
-    std::array<SymbolModel<4>, 3> n_zeros;
-    std::array<std::array<BitModel, 8>, 32> behind;
-    BitModel is_negative;
-  };
-
   Coder& coder_;
   const std::string& what_;
   SymbolModel<2> positions_;
   std::array<SymbolModel<2>, 4> values_;
-  std::array<Axis, 4> axes_;
+  std::array<StepCoder<Coder>, 4> axes_;
   SymbolModel<6> mask_sizes_;
   std::array<BitModel, 16> mask_bits_;
 };
 
-/// Codes facts of children by those of their parent, which are none smaller, or where these are in
-/// another page by the last ones.
+/// A coder of the value places of a field: whose value a vertex has.
 template <typename Coder>
+Result<Place> code_place(Coder& coder, SymbolModel<2>& model, Place given,
+                         const std::string& what) {
+  const auto place = model.code(coder, static_cast<std::uint32_t>(given));
+  if (place <= static_cast<std::uint32_t>(Place::second)) return static_cast<Place>(place);
+  return fail("{}: expected one of three places, got {}", what, place);
+}
+
+/// Codes facts of children by those of their parent, which are none smaller, or where these are in
+/// another page by the last ones. `kFacts`: 4, or 3 without balls.
+template <typename Coder, std::size_t kFacts = 4>
 class FactsCoder {
  public:
   FactsCoder(Coder& coder, const NodeCodes& codes, const std::string& what)
@@ -133,7 +154,7 @@ class FactsCoder {
     return {parts.error, 63 - parts.low, parts.high, parts.radius};
   }
   Result<void> set(const Four& four, std::uint32_t& word) const {
-    for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t i = 0; i < kFacts; ++i)
       if (four[i] >= kLimits[i])
         return fail("{}: expected facts below {}, got {}", what_, kLimits[i], four[i]);
     const NodeCodes::Parts parts{four[0], 63 - four[1], four[2], four[3]};
@@ -148,7 +169,7 @@ class FactsCoder {
   Result<std::size_t> code_below(std::uint32_t own, std::size_t role, std::uint32_t& facts) {
     const Four all = four_of(own);
     Four found = four_of(facts);
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < kFacts; ++i) {
       Below& models = below_[role][i];
       const bool is_less = coder_.bit(models.is_less, found[i] != all[i]);
       found[i] = is_less ? all[i] - 1 - models.sizes.code(coder_, all[i] - 1 - found[i]) : all[i];
@@ -159,7 +180,7 @@ class FactsCoder {
   }
   Result<std::size_t> code_beside(std::size_t role, std::uint32_t& facts) {
     Four found = four_of(facts);
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < kFacts; ++i) {
       const auto step = static_cast<std::int32_t>(found[i] - last_[i]);
       found[i] = last_[i] + static_cast<std::uint32_t>(
                                 unfolded(beside_[role / 2][i].code(coder_, folded(step))));

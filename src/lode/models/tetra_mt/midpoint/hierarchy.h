@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -19,7 +20,7 @@
 
 namespace lode::tetra_mt::midpoint {
 
-/// What undoes a collapse, beside the links: 28 bytes.
+/// What undoes a collapse, beside the links, with the first field: 28 bytes.
 struct NodeRecord {
   Code difference;  ///< Of the ends: x, y, z and value, the second's less the first's.
   /// Bit i: whether the i-th tetrahedron round the vertex is the second end's, in the order of
@@ -38,6 +39,21 @@ struct NodeRecord {
 };
 static_assert(sizeof(NodeRecord) == 28 && alignof(NodeRecord) == 4);
 
+/// What undoes it of a further field: 8 bytes.
+struct FieldRecord {
+  std::int32_t difference;  ///< Of the ends' values.
+  std::uint32_t bits;       ///< NodeCodes' of the field; bits 20 and 21: Placement::value.
+
+  FieldRecord() = default;
+  FieldRecord(std::int32_t ends, std::uint32_t facts, Place place)
+      : difference(ends),
+        bits(NodeCodes::without_ball(facts) | static_cast<std::uint32_t>(place) << 20) {}
+  /// Without a ball.
+  [[nodiscard]] std::uint32_t facts() const { return NodeCodes::without_ball(bits); }
+  [[nodiscard]] Place place() const { return static_cast<Place>(bits >> 20); }
+};
+static_assert(sizeof(FieldRecord) == 8);
+
 /// Labels of what a vertex splits into, the larger one first.
 struct Children {
   std::uint32_t first = kNone;
@@ -46,42 +62,77 @@ struct Children {
   friend bool operator==(const Children&, const Children&) = default;
 };
 
-/// What is to be added to what a vertex's code says, so that it is the mesh's bit for bit; of -0,
-/// -0.
+/// An offset is to be added to what a vertex's code says, so that it is the mesh's bit for bit; of
+/// -0, -0.
+[[nodiscard]] inline double with_offset(double coded, double offset) {
+  return offset == 0 && std::signbit(offset) ? offset : coded + offset;
+}
 struct LeafOffset {
-  std::array<double, 4> axes{};  ///< Position and value.
+  std::array<double, 4> axes{};  ///< Position, and value of the first field.
 
-  [[nodiscard]] static double added(double coded, double offset) {
-    return offset == 0 && std::signbit(offset) ? offset : coded + offset;
-  }
   [[nodiscard]] Vec3d position(const Vec3d& coded) const {
-    return {{added(coded[0], axes[0]), added(coded[1], axes[1]), added(coded[2], axes[2])}};
+    return {{with_offset(coded[0], axes[0]), with_offset(coded[1], axes[1]),
+             with_offset(coded[2], axes[2])}};
   }
-  [[nodiscard]] double value(double coded) const { return added(coded, axes[3]); }
+  [[nodiscard]] double value(double coded) const { return with_offset(coded, axes[3]); }
   friend bool operator==(const LeafOffset&, const LeafOffset&) = default;
 };
 
-/// Of vertices of the mesh that their codes do not say bit for bit.
-class ExactLeaves {
+/// Offsets of vertices of the mesh that their codes do not say bit for bit.
+template <typename Offset>
+class LeafOffsets {
  public:
   /// Leaves ascend.
-  void add(std::uint32_t leaf, const LeafOffset& offset) {
+  void add(std::uint32_t leaf, const Offset& offset) {
     leaves_.push_back(leaf);
     offsets_.push_back(offset);
   }
   /// None of most.
-  [[nodiscard]] const LeafOffset* find(std::uint32_t leaf) const;
+  [[nodiscard]] const Offset* find(std::uint32_t leaf) const {
+    const auto at = std::ranges::lower_bound(leaves_, leaf);
+    if (at == leaves_.end() || *at != leaf) return nullptr;
+    return &offsets_[static_cast<std::size_t>(at - leaves_.begin())];
+  }
   [[nodiscard]] std::size_t size() const { return offsets_.size(); }
   [[nodiscard]] std::span<const std::uint32_t> leaves() const { return leaves_; }
   [[nodiscard]] std::size_t n_bytes() const {
-    return leaves_.size() * sizeof(std::uint32_t) + offsets_.size() * sizeof(LeafOffset);
+    return leaves_.size() * sizeof(std::uint32_t) + offsets_.size() * sizeof(Offset);
   }
 
-  friend bool operator==(const ExactLeaves&, const ExactLeaves&) = default;
+  friend bool operator==(const LeafOffsets&, const LeafOffsets&) = default;
 
  private:
   std::vector<std::uint32_t> leaves_;  ///< Ascending.
-  std::vector<LeafOffset> offsets_;
+  std::vector<Offset> offsets_;
+};
+using ExactLeaves = LeafOffsets<LeafOffset>;
+using ExactValues = LeafOffsets<double>;  ///< Of a further field.
+
+/// What of a field is in memory from the beginning.
+struct ForestField {
+  std::string name;
+  ScalarType type = ScalarType::float64;
+  double low = 0;  ///< Of all vertices of the mesh.
+  double high = 0;
+  double base_error = 0;  ///< Largest |F - F'| at vertices of the mesh, on the base.
+  Scale scale{};
+  NodeCodes codes{};
+};
+
+/// What of a further field is in memory once anything is asked of it; by root.
+struct FieldRoots {
+  std::vector<std::int32_t> codes;
+  std::vector<std::uint32_t> facts;  ///< Without a ball; 0 of leaves.
+  ExactValues exact;                 ///< Of leaves that are roots.
+
+  friend bool operator==(const FieldRoots&, const FieldRoots&) = default;
+};
+
+/// What nodes and vertices have of a field but the first.
+struct FurtherField {
+  std::vector<FieldRecord> nodes;
+  FieldRoots roots;
+  ExactValues exact;
 };
 
 /// What of a hierarchy is in memory from the beginning: all but its nodes.
@@ -89,16 +140,12 @@ struct ForestHead {
   std::uint32_t n_vertices = 0;     ///< Of the mesh.
   std::uint32_t n_base_leaves = 0;  ///< Of these the first, which are in the base.
   std::uint32_t n_inner = 0;        ///< Vertices that collapses made.
-  std::string field;
-  ScalarType type = ScalarType::float64;
-  double low = 0;  ///< Of the field.
-  double high = 0;
-  double base_error = 0;          ///< Largest |F - F'| at vertices of the mesh, on the base.
-  double boundary_deviation = 0;  ///< EdgeCollapses'.
-  Box3d box{};                    ///< Of all vertices.
+  std::vector<ForestField> fields;  ///< At least one. The first lies with the nodes.
+  double boundary_deviation = 0;    ///< EdgeCollapses'.
+  Box3d box{};                      ///< Of all vertices.
   std::uint64_t n_cells = 0;
   Scales scales;
-  NodeCodes codes;
+  RadiusCodes radii;
 
   std::vector<Tetrahedron> base;  ///< By labels; with those to the vertex outside, n_labels().
   /// Places in region_ids, or, of one to the vertex outside, patch_mark() of its face. Empty where
@@ -106,7 +153,7 @@ struct ForestHead {
   std::vector<std::uint32_t> base_regions;
   std::uint64_t n_base_cells = 0;         ///< Without those to the vertex outside.
   std::vector<std::uint32_t> roots;       ///< Labels of the base's vertices, ascending,
-  std::vector<Code> root_codes;           ///< their codes,
+  std::vector<Code> root_codes;           ///< their codes, of the first field,
   std::vector<std::uint32_t> root_facts;  ///< and facts, 0 of leaves.
   ExactLeaves base_exact;                 ///< Of leaves that are roots.
   std::vector<std::int64_t> region_ids;   ///< The mesh's.
@@ -141,6 +188,7 @@ struct Hierarchy : ForestHead {
   std::vector<std::uint32_t> deep;  ///< By node: the first child, the one of the larger label.
   std::vector<NodeRecord> nodes;
   ExactLeaves exact;
+  std::vector<FurtherField> further;  ///< Of field 1 on.
   /// Nodes whose tetrahedra are not all of one region, and those outside of one patch, ascending,
   /// and where what base_regions says of those that they bring between both ends begins, in the
   /// order of the edges' labels.
@@ -156,19 +204,19 @@ struct Hierarchy : ForestHead {
   [[nodiscard]] Children children(std::uint32_t node) const {
     return {deep[node], wide[deep[node]]};
   }
+  /// What tells a node's ends apart, with their values of a field,
+  [[nodiscard]] Code difference(std::uint32_t node, std::size_t field = 0) const;
+  [[nodiscard]] Placement placement(std::uint32_t node, std::size_t field = 0) const;
+  /// and what is known of it.
+  [[nodiscard]] std::uint32_t facts(std::uint32_t node, std::size_t field = 0) const;
+  /// Of a place in roots.
+  [[nodiscard]] Code root_code(std::size_t place, std::size_t field = 0) const;
+  [[nodiscard]] std::uint32_t root_word(std::size_t place, std::size_t field = 0) const;
   /// Found from the base down: one step for each vertex between.
-  [[nodiscard]] Code code_of(std::uint32_t label) const;
+  [[nodiscard]] Code code_of(std::uint32_t label, std::size_t field = 0) const;
   /// Of a vertex whose code is known.
-  [[nodiscard]] Vec3d position(std::uint32_t label, const Code& code) const {
-    const LeafOffset* const offset = is_leaf(label) ? exact.find(label) : nullptr;
-    const Vec3d coded = scales.position(code);
-    return offset != nullptr ? offset->position(coded) : coded;
-  }
-  [[nodiscard]] double value(std::uint32_t label, const Code& code) const {
-    const LeafOffset* const offset = is_leaf(label) ? exact.find(label) : nullptr;
-    const double coded = scales.value(code);
-    return offset != nullptr ? offset->value(coded) : coded;
-  }
+  [[nodiscard]] Vec3d position(std::uint32_t label, std::span<const std::int32_t> code) const;
+  [[nodiscard]] double value(std::uint32_t label, const Code& code, std::size_t field = 0) const;
   /// Regions that a node brings, as said above; empty of most.
   [[nodiscard]] std::span<const std::uint32_t> regions_of(std::uint32_t node) const;
 };

@@ -15,7 +15,7 @@ constexpr std::size_t kSmallest = 1024;
 
 class LabelOrderer {
  public:
-  LabelOrderer(const TetraMesh& mesh, const Scales& scales, std::vector<Code> codes,
+  LabelOrderer(const TetraMesh& mesh, const Scales& scales, std::vector<PositionCode> codes,
                std::span<const EdgeCollapse> collapses, LiveTetrahedra live)
       : scales_(scales),
         codes_(std::move(codes)),
@@ -70,7 +70,7 @@ class LabelOrderer {
       children_.push_back({there[collapse.kept], there[collapse.removed]});
       for (const Vertex child : children_[k]) parents_[child] = n_leaves_ + k;
       codes_[collapse.kept] =
-          merged(codes_[collapse.kept], codes_[collapse.removed], collapse.placement);
+          merged(codes_[collapse.kept], codes_[collapse.removed], collapse.position);
       keys_.push_back(curve_(scales_.position(codes_[collapse.kept])));
       there[collapse.kept] = n_leaves_ + k;
     }
@@ -214,7 +214,7 @@ class LabelOrderer {
   }
 
   const Scales& scales_;
-  std::vector<Code> codes_;
+  std::vector<PositionCode> codes_;
   std::span<const EdgeCollapse> collapses_;
   LiveTetrahedra live_;
   SpaceCurve curve_;
@@ -231,8 +231,9 @@ class LabelOrderer {
 
 }  // namespace
 
-LabelOrder order_labels(const TetraMesh& mesh, const Scales& scales, std::vector<Code> codes,
-                        std::span<const EdgeCollapse> collapses, LiveTetrahedra live) {
+LabelOrder order_labels(const TetraMesh& mesh, const Scales& scales,
+                        std::vector<PositionCode> codes, std::span<const EdgeCollapse> collapses,
+                        LiveTetrahedra live) {
   return LabelOrderer(mesh, scales, std::move(codes), collapses, std::move(live)).run();
 }
 

@@ -30,7 +30,7 @@ struct LabelOrder {
 /// last one first, so that a node's epoch is that of what is beside it in its own page and those
 /// after it, or the next one of those before it. `codes`: by vertex of the mesh; `live`: all of it.
 [[nodiscard]] LabelOrder order_labels(const TetraMesh& mesh, const Scales& scales,
-                                      std::vector<Code> codes,
+                                      std::vector<PositionCode> codes,
                                       std::span<const EdgeCollapse> collapses, LiveTetrahedra live);
 
 }  // namespace lode::tetra_mt::midpoint

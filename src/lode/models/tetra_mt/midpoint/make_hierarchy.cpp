@@ -19,17 +19,19 @@
 namespace lode::tetra_mt::midpoint {
 namespace {
 
-Placement turned(Placement placement) {
-  const auto turn = [](Place place) {
-    return place == Place::middle ? place : place == Place::first ? Place::second : Place::first;
-  };
-  return {turn(placement.position), turn(placement.value)};
+bool is_same(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
+/// What with_offset() takes to come from one to the other, which differs.
+double between(double coded, double exact) { return exact == coded ? exact : exact - coded; }
 
 class HierarchyMaker {
  public:
   HierarchyMaker(const TetraMesh& mesh, const EdgeCollapses& collapses)
-      : mesh_(mesh), collapses_(collapses), n_(static_cast<std::uint32_t>(mesh.positions.size())) {}
+      : mesh_(mesh),
+        collapses_(collapses),
+        n_fields_(mesh.fields.size()),
+        n_(static_cast<std::uint32_t>(mesh.positions.size())) {}
 
   Result<Hierarchy> run(Threads threads) {
     if (std::uint64_t{n_} + collapses_.collapses.size() >= kNone)
@@ -45,12 +47,13 @@ class HierarchyMaker {
     for (std::uint32_t k = 0; k < n_nodes(); ++k) {
       const EdgeCollapse& collapse = collapses_.collapses[k];
       LODE_CHECK(note_star(live, node_of(k), collapse));
-      note_ends(node_of(k), collapse);
+      note_ends(k);
       live.collapse(collapse.removed, collapse.kept);
     }
     join_regions();
     take_base(live);
-    find_facts();
+    find_radii();
+    for (std::size_t field = 0; field < n_fields_; ++field) find_facts(field);
     return std::move(made_);
   }
 
@@ -75,37 +78,41 @@ class HierarchyMaker {
     return made_.position(labels_[vertex], codes_[vertex]);
   }
   void describe();
+  [[nodiscard]] ForestField described(std::size_t field) const;
   void start_leaves();
   [[nodiscard]] std::optional<LeafOffset> offset_of(std::uint32_t v) const;
+  void note_offsets();
   void find_labels(const LiveTetrahedra& live);
   [[nodiscard]] Result<void> note_star(const LiveTetrahedra& live, std::uint32_t node,
                                        const EdgeCollapse& collapse);
   void note_regions(const LiveTetrahedra& live, std::uint32_t node, const EdgeCollapse& collapse);
-  void note_ends(std::uint32_t node, const EdgeCollapse& collapse);
+  void note_ends(std::uint32_t collapse);
   void join_regions();
   void take_base(const LiveTetrahedra& live);
-  void find_facts();
+  void find_radii();
+  void find_facts(std::size_t field);
 
   const TetraMesh& mesh_;
   const EdgeCollapses& collapses_;
+  std::size_t n_fields_;
   std::uint32_t n_;
   std::vector<std::uint32_t> regions_;  ///< By slot: labels_of().
   std::vector<std::uint32_t> labels_;   ///< By slot: of the vertex there now,
-  std::vector<Code> codes_;             ///< and its code.
+  std::vector<PositionCode> codes_;     ///< and its codes,
+  std::vector<std::int32_t> values_;    ///< those of values by field, too.
   LabelOrder order_;
   std::vector<StarTriangle> star_;
   /// By mixed node: what Hierarchy::mixed_regions says.
   std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> mixed_;
-  std::vector<Vec3d> centres_;  ///< By node: where its vertex lies,
-  std::vector<double> radii_;   ///< and how far what it changes reaches.
+  std::vector<Vec3d> centres_;               ///< By node: where its vertex lies,
+  std::vector<double> radii_;                ///< and how far what it changes reaches;
+  std::vector<std::uint32_t> collapse_of_;   ///< likewise, what it undoes,
+  std::vector<std::uint32_t> radius_codes_;  ///< and how far what it discovers reaches.
   Hierarchy made_;
 };
 
 void HierarchyMaker::describe() {
-  const MeshField& field = mesh_.fields[0];
   made_.n_vertices = n_;
-  made_.field = field.name;
-  made_.type = field.type;
   made_.n_cells = mesh_.tetrahedra.size();
   made_.region_ids = mesh_.region_ids;
   made_.region_names = mesh_.region_names;
@@ -114,11 +121,12 @@ void HierarchyMaker::describe() {
   made_.wide.assign(n_ + std::size_t{n_nodes()}, kNone);
   made_.deep.resize(n_nodes());
   made_.nodes.resize(n_nodes());
+  made_.further.resize(n_fields_ - 1);
+  for (FurtherField& field : made_.further) field.nodes.resize(n_nodes());
+  for (std::size_t f = 0; f < n_fields_; ++f) made_.fields.push_back(described(f));
   centres_.resize(n_nodes());
   radii_.resize(n_nodes());
   if (n_ == 0) return;
-  made_.low = std::ranges::min(field.values);
-  made_.high = std::ranges::max(field.values);
   made_.boundary_deviation = collapses_.boundary_deviation;
   made_.box = {mesh_.positions[0], mesh_.positions[0]};
   for (const Vec3d& p : mesh_.positions)
@@ -126,15 +134,29 @@ void HierarchyMaker::describe() {
       made_.box.lower[i] = std::min(made_.box.lower[i], p[i]);
       made_.box.upper[i] = std::max(made_.box.upper[i], p[i]);
     }
+}
+
+ForestField HierarchyMaker::described(std::size_t field) const {
+  const MeshField& from = mesh_.fields[field];
+  ForestField made{.name = from.name, .type = from.type, .scale = scale_of(from.values)};
+  if (n_ == 0) return made;
+  made.low = std::ranges::min(from.values);
+  made.high = std::ranges::max(from.values);
   constexpr double kRounded = 1 + 0x1p-23;  // Shares are rounded to the nearest float32.
-  for (const float error : collapses_.errors)
-    made_.base_error = std::max(made_.base_error, kRounded * std::abs(static_cast<double>(error)) *
-                                                      (made_.high - made_.low));
+  for (std::size_t v = 0; v < n_; ++v) {
+    const auto error = static_cast<double>(collapses_.errors[v * n_fields_ + field]);
+    made.base_error =
+        std::max(made.base_error, kRounded * std::abs(error) * (made.high - made.low));
+  }
+  return made;
 }
 
 void HierarchyMaker::start_leaves() {
-  for (std::uint32_t v = 0; v < n_; ++v)
-    codes_.push_back(made_.scales.code(mesh_.positions[v], mesh_.fields[0].values[v]));
+  for (std::uint32_t v = 0; v < n_; ++v) {
+    codes_.push_back(made_.scales.code(mesh_.positions[v]));
+    for (std::size_t f = 0; f < n_fields_; ++f)
+      values_.push_back(made_.fields[f].scale.code(mesh_.fields[f].values[v]));
+  }
 }
 
 /// Without rounding: what is off by half a step at most is a multiple of the last place of what it
@@ -144,10 +166,11 @@ std::optional<LeafOffset> HierarchyMaker::offset_of(std::uint32_t v) const {
   bool is_off = false;
   for (std::size_t axis = 0; axis < 4; ++axis) {
     const double exact = axis < 3 ? mesh_.positions[v][axis] : mesh_.fields[0].values[v];
-    const double coded = made_.scales.axes()[axis].value(codes_[v][axis]);
-    if (std::bit_cast<std::uint64_t>(exact) == std::bit_cast<std::uint64_t>(coded)) continue;
+    const double coded = axis < 3 ? made_.scales.axes()[axis].value(codes_[v][axis])
+                                  : made_.fields[0].scale.value(values_[v * n_fields_]);
+    if (is_same(exact, coded)) continue;
     is_off = true;
-    offset.axes[axis] = exact == coded ? exact : exact - coded;
+    offset.axes[axis] = between(coded, exact);
   }
   return is_off ? std::optional(offset) : std::nullopt;
 }
@@ -162,12 +185,27 @@ void HierarchyMaker::find_labels(const LiveTetrahedra& live) {
   made_.page_levels = std::move(order_.levels);
   made_.mesh_vertices.resize(n_);
   for (std::uint32_t v = 0; v < n_; ++v) made_.mesh_vertices[labels_[v]] = v;
+  collapse_of_.resize(n_nodes());
+  for (std::uint32_t k = 0; k < n_nodes(); ++k) collapse_of_[node_of(k)] = k;
+  note_offsets();
+}
+
+void HierarchyMaker::note_offsets() {
   for (std::uint32_t leaf = 0; leaf < n_; ++leaf) {
     const std::uint32_t v = made_.mesh_vertices[leaf];
-    const std::optional<LeafOffset> offset = offset_of(v);
-    if (!offset) continue;
-    made_.exact.add(leaf, *offset);
-    if (leaf < made_.n_base_leaves) made_.base_exact.add(leaf, *offset);
+    const bool is_root = leaf < made_.n_base_leaves;
+    if (const std::optional<LeafOffset> offset = offset_of(v)) {
+      made_.exact.add(leaf, *offset);
+      if (is_root) made_.base_exact.add(leaf, *offset);
+    }
+    for (std::size_t f = 1; f < n_fields_; ++f) {
+      const double exact = mesh_.fields[f].values[v];
+      const double coded = made_.fields[f].scale.value(values_[v * n_fields_ + f]);
+      if (is_same(exact, coded)) continue;
+      FurtherField& field = made_.further[f - 1];
+      field.exact.add(leaf, between(coded, exact));
+      if (is_root) field.roots.exact.add(leaf, between(coded, exact));
+    }
   }
 }
 
@@ -179,9 +217,8 @@ Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t
   const std::uint32_t first =
       labels_[collapse.kept] > labels_[collapse.removed] ? collapse.kept : collapse.removed;
   const std::uint32_t second = first == collapse.kept ? collapse.removed : collapse.kept;
-  const Placement placement =
-      first == collapse.kept ? collapse.placement : turned(collapse.placement);
-  centres_[node] = made_.scales.position(merged(codes_[first], codes_[second], placement));
+  const Place place = first == collapse.kept ? collapse.position : turned(collapse.position);
+  centres_[node] = made_.scales.position(merged(codes_[first], codes_[second], place));
   double reach =
       std::max(length(position(first) - centres_[node]), length(position(second) - centres_[node]));
   for (const std::uint32_t end : {first, second})
@@ -208,10 +245,9 @@ Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t
     if (i > 0 && star_[i].key == star_[i - 1].key)
       return fail("vertex {}: expected different tetrahedra, got two of the same corners", made);
   }
-  mask |= static_cast<std::uint64_t>(placement.position) << 60 |
-          static_cast<std::uint64_t>(placement.value) << 62;
+  mask |= static_cast<std::uint64_t>(place) << 60;
   record.mask = {static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(mask >> 32)};
-  if (made_.has_regions()) note_regions(live, node, {first, second, placement});
+  if (made_.has_regions()) note_regions(live, node, {first, second, place});
   return {};
 }
 
@@ -253,16 +289,33 @@ void HierarchyMaker::join_regions() {
   }
 }
 
-void HierarchyMaker::note_ends(std::uint32_t node, const EdgeCollapse& collapse) {
-  const bool is_kept_first = labels_[collapse.kept] > labels_[collapse.removed];
-  const std::uint32_t first = is_kept_first ? collapse.kept : collapse.removed;
-  const std::uint32_t second = is_kept_first ? collapse.removed : collapse.kept;
-  made_.nodes[node].difference = difference(codes_[first], codes_[second]);
+void HierarchyMaker::note_ends(std::uint32_t collapse) {
+  const auto [kept, removed, position] = collapses_.collapses[collapse];
+  const std::uint32_t node = node_of(collapse);
+  const bool is_kept_first = labels_[kept] > labels_[removed];
+  const std::uint32_t first = is_kept_first ? kept : removed;
+  const std::uint32_t second = is_kept_first ? removed : kept;
+  NodeRecord& record = made_.nodes[node];
+  for (std::size_t i = 0; i < 3; ++i)
+    record.difference[i] = difference(codes_[first][i], codes_[second][i]);
+  for (std::size_t f = 0; f < n_fields_; ++f) {
+    const Place given = collapses_.facts[collapse * n_fields_ + f].value;
+    const Place place = is_kept_first ? given : turned(given);
+    const std::int32_t a = values_[first * n_fields_ + f];
+    const std::int32_t b = values_[second * n_fields_ + f];
+    if (f == 0) {
+      record.difference[3] = difference(a, b);
+      record.mask[1] |= static_cast<std::uint32_t>(place) << 30;
+    } else {
+      made_.further[f - 1].nodes[node] = {difference(a, b), 0, place};
+    }
+    values_[kept * n_fields_ + f] = merged(a, b, place);
+  }
   made_.deep[node] = labels_[first];
   made_.wide[labels_[first]] = labels_[second];
   made_.wide[labels_[second]] = n_ + node;
-  codes_[collapse.kept] = merged(codes_[first], codes_[second], made_.nodes[node].placement());
-  labels_[collapse.kept] = n_ + node;
+  codes_[kept] = merged(codes_[first], codes_[second], record.placement().position);
+  labels_[kept] = n_ + node;
 }
 
 void HierarchyMaker::take_base(const LiveTetrahedra& live) {
@@ -280,7 +333,10 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
   std::ranges::sort(there);
   for (const auto& [root, v] : there) {
     made_.roots.push_back(root);
-    made_.root_codes.push_back(codes_[v]);
+    const PositionCode& at = codes_[v];
+    made_.root_codes.push_back({at[0], at[1], at[2], values_[v * n_fields_]});
+    for (std::size_t f = 1; f < n_fields_; ++f)
+      made_.further[f - 1].roots.codes.push_back(values_[v * n_fields_ + f]);
   }
   // Near ones are near in files.
   std::vector<std::pair<Tetrahedron, std::size_t>> sorted;
@@ -299,36 +355,57 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
 
 /// Nested along the forest: children have smaller labels, so they are known. Balls are those that
 /// codes say.
-void HierarchyMaker::find_facts() {
-  double largest_error = 0;
-  for (const EdgeFacts& facts : collapses_.facts)
-    largest_error = std::max(largest_error, facts.error);
-  const double diagonal = length(made_.box.upper - made_.box.lower);
-  made_.codes = NodeCodes(mesh_.fields[0].values, largest_error, 2 * diagonal);
-  const NodeCodes& codes = made_.codes;
-  std::vector<NodeCodes::Parts> parts(n_nodes());
-  std::vector<std::uint32_t> collapse_of(n_nodes());
-  for (std::uint32_t k = 0; k < n_nodes(); ++k) collapse_of[node_of(k)] = k;
+void HierarchyMaker::find_radii() {
+  made_.radii = RadiusCodes(2 * length(made_.box.upper - made_.box.lower));
+  radius_codes_.resize(n_nodes());
   for (std::uint32_t node = 0; node < n_nodes(); ++node) {
-    const EdgeFacts& own = collapses_.facts[collapse_of[node]];
-    NodeCodes::Parts& all = parts[node];
-    all = {codes.error_code(own.error), codes.low_code(own.low), codes.high_code(own.high), 0};
     double radius = radii_[node];
     const auto [first, second] = made_.children(node);
     for (const std::uint32_t child : {first, second}) {
       if (made_.is_leaf(child)) continue;
-      const NodeCodes::Parts& below = parts[child - n_];
+      const std::uint32_t below = child - n_;
+      radius = std::max(radius, length(centres_[below] - centres_[node]) +
+                                    made_.radii.radius(radius_codes_[below]));
+    }
+    radius_codes_[node] = made_.radii.code(radius * (1 + 0x1p-40));
+  }
+}
+
+/// Likewise.
+void HierarchyMaker::find_facts(std::size_t field) {
+  double largest_error = 0;
+  for (std::size_t k = 0; k < n_nodes(); ++k)
+    largest_error = std::max(largest_error, collapses_.facts[k * n_fields_ + field].error);
+  made_.fields[field].codes = NodeCodes(mesh_.fields[field].values, largest_error);
+  const NodeCodes& codes = made_.fields[field].codes;
+  std::vector<std::uint32_t> words(n_nodes());
+  for (std::uint32_t node = 0; node < n_nodes(); ++node) {
+    const EdgeFacts& own = collapses_.facts[std::size_t{collapse_of_[node]} * n_fields_ + field];
+    NodeCodes::Parts all{codes.error_code(own.error), codes.low_code(own.low),
+                         codes.high_code(own.high), radius_codes_[node]};
+    const auto [first, second] = made_.children(node);
+    for (const std::uint32_t child : {first, second}) {
+      if (made_.is_leaf(child)) continue;
+      const NodeCodes::Parts below = NodeCodes::parts(words[child - n_]);
       all.error = std::max(all.error, below.error);
       all.low = std::min(all.low, below.low);
       all.high = std::max(all.high, below.high);
-      radius = std::max(radius,
-                        length(centres_[child - n_] - centres_[node]) + codes.radius(below.radius));
     }
-    all.radius = codes.radius_code(radius * (1 + 0x1p-40));
-    made_.nodes[node].facts = NodeCodes::word(all);
+    words[node] = NodeCodes::word(all);
+    if (field == 0) {
+      made_.nodes[node].facts = words[node];
+    } else {
+      FieldRecord& record = made_.further[field - 1].nodes[node];
+      record = {record.difference, words[node], record.place()};
+    }
   }
-  for (const std::uint32_t root : made_.roots)
-    made_.root_facts.push_back(made_.is_leaf(root) ? 0 : made_.nodes[root - n_].facts);
+  for (const std::uint32_t root : made_.roots) {
+    const std::uint32_t word = made_.is_leaf(root) ? 0 : words[root - n_];
+    if (field == 0)
+      made_.root_facts.push_back(word);
+    else
+      made_.further[field - 1].roots.facts.push_back(NodeCodes::without_ball(word));
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 namespace lode::tetra_mt::midpoint {
 namespace {
@@ -20,15 +21,16 @@ std::vector<std::uint32_t> count_corners(const ForestHead& head) {
 
 }  // namespace
 
-MidpointCut::MidpointCut(const Forest& forest)
+MidpointCut::MidpointCut(const Forest& forest, std::size_t field)
     : forest_(&forest),
       head_(&forest.head()),
+      field_(field),
       outside_(head_->outside()),
       n_inside_(head_->n_base_cells),
       places_(head_->n_labels(), kNone),
       stars_(count_corners(*head_)) {
   for (std::size_t i = 0; i < head_->roots.size(); ++i)
-    add_vertex({head_->roots[i], kNone, head_->root_facts[i], head_->root_codes[i]});
+    add_vertex({head_->roots[i], kNone, forest.root_word(i, field), forest.root_code(i, field)});
   for (std::uint32_t slot = 0; slot < head_->base.size(); ++slot) {
     const std::uint32_t region = head_->base_regions.empty() ? 0 : head_->base_regions[slot];
     cells_.emplace_back();
@@ -84,15 +86,62 @@ void MidpointCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
 
 std::uint32_t MidpointCut::word_of(NodeId node) const {
   const std::uint32_t label = label_of(node);
-  return has_vertex(label) ? vertices_[places_[label]].facts : forest_->facts(index(node));
+  return has_vertex(label) ? vertices_[places_[label]].facts : forest_->facts(index(node), field_);
 }
 
 Bounds MidpointCut::bounds(NodeId node) const {
   const std::uint32_t label = label_of(node);
   const Code code =
-      has_vertex(label) ? vertices_[places_[label]].code : forest_->code_of(index(node));
+      has_vertex(label) ? vertices_[places_[label]].code : forest_->code_of(index(node), field_);
   return {head_->scales.position(code),
-          head_->codes.radius(NodeCodes::parts(word_of(node)).radius)};
+          head_->radii.radius(NodeCodes::parts(word_of(node)).radius)};
+}
+
+StoredFacts MidpointCut::facts(NodeId node, std::size_t field) const {
+  if (field == field_) return facts(node);
+  const std::uint32_t word = forest_->facts(index(node), field);
+  return head_->fields[field].codes.facts(NodeCodes::parts(word));
+}
+
+/// Of vertices of the mesh all that were split, descending.
+std::vector<std::uint32_t> MidpointCut::ancestors_of(std::span<const std::uint32_t> labels) const {
+  std::vector<bool> is_known(head_->n_labels(), false);
+  std::vector<std::uint32_t> found;
+  for (const std::uint32_t label : labels) {
+    std::uint32_t at = vertices_[places_[label]].parent;
+    while (at != kNone && !is_known[at]) {
+      is_known[at] = true;
+      found.push_back(at);
+      at = forest_->parent(at - head_->n_vertices);
+    }
+  }
+  std::ranges::sort(found, std::greater());
+  return found;
+}
+
+Result<std::vector<double>> MidpointCut::values(std::span<const std::uint32_t> labels,
+                                                std::size_t field) const {
+  std::vector<std::int32_t> codes(head_->n_labels(), 0);
+  for (std::size_t i = 0; i < head_->roots.size(); ++i)
+    codes[head_->roots[i]] = forest_->root_code(i, field)[3];
+  for (const std::uint32_t label : ancestors_of(labels)) {
+    const Split split = forest_->split(label - head_->n_vertices, field);
+    if (split.children.first == kNone) break;  // check() says why
+    const EndNumbers ends = parted(codes[label], split.difference[3], split.placement.value);
+    codes[split.children.first] = ends.first;
+    codes[split.children.second] = ends.second;
+  }
+  LODE_CHECK(check());
+  std::vector<double> found;
+  found.reserve(labels.size());
+  for (const std::uint32_t label : labels) {
+    if (codes[label] < 0)
+      return fail("midpoints: expected values of {} of 31 bits, got {}", head_->fields[field].name,
+                  codes[label]);
+    found.push_back(forest_->value(label, {0, 0, 0, codes[label]}, field));
+  }
+  LODE_CHECK(check());
+  return found;
 }
 
 void MidpointCut::add_vertex(const Vertex& vertex) {
@@ -188,7 +237,7 @@ std::uint32_t MidpointCut::region_within(const Cell& cell) const {
 
 std::uint64_t MidpointCut::apply(NodeId id) {
   const std::uint32_t label = label_of(id);
-  const Split split = forest_->split(index(id));
+  const Split split = forest_->split(index(id), field_);
   if (!has_vertex(label) || split.children.first == kNone) {
     is_damaged_ = true;
     return 0;
@@ -234,7 +283,7 @@ std::uint64_t MidpointCut::apply(NodeId id) {
 
 std::uint64_t MidpointCut::undo(NodeId id) {
   const std::uint32_t label = label_of(id);
-  const Split split = forest_->split(index(id));
+  const Split split = forest_->split(index(id), field_);
   const auto [first, second] = split.children;
   if (first == kNone || has_vertex(label) || !has_vertex(first) || !has_vertex(second)) {
     is_damaged_ = true;
@@ -242,7 +291,7 @@ std::uint64_t MidpointCut::undo(NodeId id) {
   }
   const Code code =
       merged(vertices_[places_[first]].code, vertices_[places_[second]].code, split.placement);
-  add_vertex({label, forest_->parent(index(id)), forest_->facts(index(id)), code});
+  add_vertex({label, forest_->parent(index(id)), forest_->facts(index(id), field_), code});
   std::uint64_t n_gone = 0;
   for (const std::uint32_t end : {first, second}) {
     const std::uint32_t other = end == first ? second : first;

@@ -12,7 +12,8 @@
 namespace lode::tetra_mt::midpoint {
 
 /// A hierarchy opened for refinement (RefinableModel): the mesh of the nodes applied so far, at
-/// first none. The hierarchy must outlive it.
+/// first none. The hierarchy must outlive it. `field`: whose facts nodes have, and whose values
+/// vertices.
 ///
 /// What must come before a node is read off the mesh. A tetrahedron was made by the collapse that
 /// made its greatest label. So a vertex whose label is the greatest of all beside it has round it
@@ -30,16 +31,16 @@ class MidpointCut {
     std::uint32_t region;  ///< As Hierarchy::base_regions says.
   };
 
-  explicit MidpointCut(const Forest& forest);
+  explicit MidpointCut(const Forest& forest, std::size_t field = 0);
 
   void add_base(std::vector<NodeId>& out) const;
   void add_children(NodeId node, std::vector<NodeId>& out) const;
   void add_parents(NodeId node, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId node) const {
-    return head_->codes.facts(NodeCodes::parts(word_of(node)));
+    return codes().facts(NodeCodes::parts(word_of(node)));
   }
   [[nodiscard]] Bounds bounds(NodeId node) const;
-  [[nodiscard]] double range_reference() const { return head_->codes.knots()[0]; }
+  [[nodiscard]] double range_reference() const { return codes().knots()[0]; }
   [[nodiscard]] std::uint64_t n_base_cells() const { return head_->n_base_cells; }
   std::uint64_t apply(NodeId node);
   std::uint64_t undo(NodeId node);
@@ -64,8 +65,15 @@ class MidpointCut {
     return forest_->position(label, vertices_[places_[label]].code);
   }
   [[nodiscard]] double value(std::uint32_t label) const {
-    return forest_->value(label, vertices_[places_[label]].code);
+    return forest_->value(label, vertices_[places_[label]].code, field_);
   }
+  /// What is known of a node whose vertex is in the mesh, of any field: it is in the pages of nodes
+  /// that are applied, and the base.
+  [[nodiscard]] StoredFacts facts(NodeId node, std::size_t field) const;
+  /// Values of any field of vertices of the mesh, likewise: found from the base down, in one pass.
+  /// Fails as check() does.
+  [[nodiscard]] Result<std::vector<double>> values(std::span<const std::uint32_t> labels,
+                                                   std::size_t field) const;
   /// Whether a vertex of the mesh, and what shares tetrahedra with it, are within bounds.
   [[nodiscard]] bool is_star_within(std::uint32_t label, const Bounds& bounds) const;
   /// Whether a vertex is in the mesh.
@@ -88,7 +96,10 @@ class MidpointCut {
   [[nodiscard]] std::uint32_t label_of(NodeId node) const {
     return head_->n_vertices + index(node);
   }
+  [[nodiscard]] std::vector<std::uint32_t> ancestors_of(
+      std::span<const std::uint32_t> labels) const;
   [[nodiscard]] std::uint32_t word_of(NodeId node) const;
+  [[nodiscard]] const NodeCodes& codes() const { return head_->fields[field_].codes; }
   [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t label) const {
     return stars_.of(places_[label]);
   }
@@ -105,6 +116,7 @@ class MidpointCut {
 
   const Forest* forest_;
   const ForestHead* head_;
+  std::size_t field_;
   std::uint32_t outside_;
   bool is_damaged_ = false;
   std::uint64_t n_inside_ = 0;         ///< Cells.

@@ -50,22 +50,23 @@ NodeCodes::Knots knots_of(std::span<const double> values) {
 
 }  // namespace
 
-NodeCodes::NodeCodes(std::span<const double> values, double largest_error, double largest_radius)
-    : NodeCodes(knots_of(values), largest_error, largest_radius) {}
-
-NodeCodes::NodeCodes(const Knots& knots, double largest_error, double largest_radius)
-    : largest_error_(largest_error), largest_radius_(largest_radius), knots_(knots) {
-  fill(errors_, largest_error, kErrorRatio, [](double x) { return x > 0 ? float_above(x) : 0.0F; });
-  fill(radii_, largest_radius / kRadiusRatio, kRadiusRatio, [](double x) { return x; });
+RadiusCodes::RadiusCodes(double largest) : largest_(largest) {
+  fill(radii_, largest / kRadiusRatio, kRadiusRatio, [](double x) { return x; });
   radii_.back() = std::numeric_limits<double>::infinity();
+}
+
+std::uint32_t RadiusCodes::code(double radius) const { return first_of_at_least(radii_, radius); }
+
+NodeCodes::NodeCodes(std::span<const double> values, double largest_error)
+    : NodeCodes(knots_of(values), largest_error) {}
+
+NodeCodes::NodeCodes(const Knots& knots, double largest_error)
+    : largest_error_(largest_error), knots_(knots) {
+  fill(errors_, largest_error, kErrorRatio, [](double x) { return x > 0 ? float_above(x) : 0.0F; });
 }
 
 std::uint32_t NodeCodes::error_code(double error) const {
   return error == 0 ? 0 : std::max(1U, first_of_at_least(errors_, float_above(error)));
-}
-
-std::uint32_t NodeCodes::radius_code(double radius) const {
-  return first_of_at_least(radii_, radius);
 }
 
 std::uint32_t NodeCodes::low_code(double value) const {

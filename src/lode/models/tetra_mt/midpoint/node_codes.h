@@ -8,11 +8,27 @@
 
 namespace lode::tetra_mt::midpoint {
 
-/// What is known of a node in 32 bits, all rounded outward: its error in 8 (steps of 4.5 %, over 16
-/// octaves below the largest), the ends of its range in 6 each (64 values of the field, with as
-/// many between each two), and the radius of its ball in 12 (steps of 0.3 %, over 16 octaves below
-/// the largest; the last code is infinite). Larger codes stand for larger numbers, so that codes
-/// can be joined.
+/// The radius of a node's ball, rounded up, in 12 bits: steps of 0.3 %, over 16 octaves below the
+/// largest; the last code is infinite.
+class RadiusCodes {
+ public:
+  RadiusCodes() : RadiusCodes(0) {}
+  explicit RadiusCodes(double largest);
+
+  /// At least as large; expects what is no larger than the largest.
+  [[nodiscard]] std::uint32_t code(double radius) const;
+  [[nodiscard]] double radius(std::uint32_t code) const { return radii_[code]; }
+  [[nodiscard]] double largest() const { return largest_; }
+
+ private:
+  double largest_;
+  std::array<double, 4096> radii_{};
+};
+
+/// What is known of a node in 32 bits, all rounded outward: of a field its error in 8 (steps of 4.5
+/// %, over 16 octaves below the largest) and the ends of its range in 6 each (64 values of the
+/// field, with as many between each two); and RadiusCodes' of its ball. Larger codes stand for
+/// larger numbers, so that codes can be joined.
 class NodeCodes {
  public:
   struct Parts {
@@ -25,15 +41,14 @@ class NodeCodes {
 
   using Knots = std::array<double, kKnots>;
 
-  NodeCodes() : NodeCodes(Knots{}, 0, 0) {}
+  NodeCodes() : NodeCodes(Knots{}, 0) {}
   /// `values`: finite; `largest_error`: of all nodes.
-  NodeCodes(std::span<const double> values, double largest_error, double largest_radius);
+  NodeCodes(std::span<const double> values, double largest_error);
   /// `knots`: ascending.
-  NodeCodes(const Knots& knots, double largest_error, double largest_radius);
+  NodeCodes(const Knots& knots, double largest_error);
 
   /// At least as large; expects what is no larger than the largest.
   [[nodiscard]] std::uint32_t error_code(double error) const;
-  [[nodiscard]] std::uint32_t radius_code(double radius) const;
   /// The last knot up to a value, and the first of at least that.
   [[nodiscard]] std::uint32_t low_code(double value) const;
   [[nodiscard]] std::uint32_t high_code(double value) const;
@@ -42,27 +57,31 @@ class NodeCodes {
   [[nodiscard]] bool has_range(const Parts& parts) const {
     return knots_[parts.low] <= knots_[parts.high];
   }
-  [[nodiscard]] double radius(std::uint32_t code) const { return radii_[code]; }
   [[nodiscard]] float error(std::uint32_t code) const { return errors_[code]; }
   /// The range above the first knot.
   [[nodiscard]] StoredFacts facts(const Parts& parts) const;
   [[nodiscard]] const Knots& knots() const { return knots_; }
   [[nodiscard]] double largest_error() const { return largest_error_; }
-  [[nodiscard]] double largest_radius() const { return largest_radius_; }
 
   [[nodiscard]] static std::uint32_t word(const Parts& parts) {
-    return parts.error | parts.low << 8 | parts.high << 14 | parts.radius << 20;
+    return parts.error | parts.low << 8 | parts.high << 14 | parts.radius << kRadiusAt;
   }
   [[nodiscard]] static Parts parts(std::uint32_t word) {
-    return {word & 0xFF, word >> 8 & 0x3F, word >> 14 & 0x3F, word >> 20};
+    return {word & 0xFF, word >> 8 & 0x3F, word >> 14 & 0x3F, word >> kRadiusAt};
   }
+  /// What is known of a field, with the ball that another word has.
+  [[nodiscard]] static std::uint32_t with_ball_of(std::uint32_t field, std::uint32_t other) {
+    return (field & kOfField) | (other & ~kOfField);
+  }
+  [[nodiscard]] static std::uint32_t without_ball(std::uint32_t word) { return word & kOfField; }
 
  private:
+  static constexpr int kRadiusAt = 20;
+  static constexpr std::uint32_t kOfField = (1U << kRadiusAt) - 1;
+
   double largest_error_;
-  double largest_radius_;
   std::array<float, 256> errors_{};  ///< By code.
   Knots knots_{};
-  std::array<double, 4096> radii_{};
 };
 
 }  // namespace lode::tetra_mt::midpoint

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <utility>
 
 #include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/midpoint/field_blocks.h"
 #include "lode/models/tetra_mt/midpoint/file_layout.h"
 #include "lode/models/tetra_mt/midpoint/forest_blocks.h"
 #include "lode/models/tetra_mt/midpoint/persist.h"
@@ -90,19 +90,10 @@ class ForestBaseReader {
     const std::size_t first = head_.root_codes.size();
     head_.root_codes.resize(first + n);
     for (std::size_t axis = 0; axis < 4; ++axis) {
-      LODE_TRY(const auto column, read_differences_of(in, n));
-      for (std::size_t i = 0; i < n; ++i) {
-        if (column[i] > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()))
-          return fail("{}: expected codes of 31 bits, got {}", in.what(), column[i]);
-        head_.root_codes[first + i][axis] = static_cast<std::int32_t>(column[i]);
-      }
+      LODE_TRY(const auto column, read_codes_of(in, n));
+      for (std::size_t i = 0; i < n; ++i) head_.root_codes[first + i][axis] = column[i];
     }
-    LODE_TRY(const auto facts, read_differences_of(in, n));
-    for (const std::uint32_t word : facts) {
-      const NodeCodes::Parts parts = NodeCodes::parts(word);
-      if (!head_.codes.has_range(parts))
-        return fail("{}: expected ranges, got {} to {}", in.what(), parts.low, parts.high);
-    }
+    LODE_TRY(const auto facts, read_facts_of(in, n, head_.fields[0].codes));
     head_.root_facts.insert(head_.root_facts.end(), facts.begin(), facts.end());
     return read_offsets(in, first, n);
   }
@@ -120,7 +111,9 @@ class ForestBaseReader {
       LeafOffset offset;
       for (std::size_t axis = 0; axis < 4; ++axis) {
         offset.axes[axis] = numbers[next++];
-        LODE_CHECK(check_offset(offset.axes[axis], head_.scales.axes()[axis], in.what()));
+        LODE_CHECK(check_offset(offset.axes[axis],
+                                axis < 3 ? head_.scales.axes()[axis] : head_.fields[0].scale,
+                                in.what()));
       }
       head_.base_exact.add(static_cast<std::uint32_t>(first + i), offset);
     }
@@ -146,6 +139,23 @@ class ForestBaseReader {
   ForestHead& head_;
 };
 
+/// That what fields have is there, so that what is asked for later is in the file.
+Result<void> check_fields(const store::Reader& reader, const ForestHead& head) {
+  const std::uint32_t n_parts =
+      static_cast<std::uint32_t>((head.roots.size() + kBasePart - 1) / kBasePart);
+  const auto check = [&](const store::BlockKey& key) -> Result<void> {
+    if (reader.find(key)) return {};
+    return fail("{}: expected {}, found none", reader.path(), store::describe(key));
+  };
+  for (std::size_t f = 1; f < head.fields.size(); ++f) {
+    for (std::uint32_t part = 0; part < n_parts; ++part)
+      LODE_CHECK(check(key_of(Kind::field_roots, part, f)));
+    for (std::uint32_t page = 0; page < head.pages.n_pages(); ++page)
+      LODE_CHECK(check(key_of(Kind::field_page, page, f)));
+  }
+  return {};
+}
+
 }  // namespace
 
 bool is_model_of(const std::string& path) {
@@ -161,10 +171,29 @@ Result<OpenedForest> open(const std::string& path) {
   ForestCounts counts;
   LODE_TRY(ForestHead head, decode_head(reader->metadata(), path, counts));
   LODE_CHECK(ForestBaseReader(*reader, counts, head).run());
-  Forest::Load load = [reader](const ForestHead& of, std::uint32_t page) -> Result<ForestContent> {
+  LODE_CHECK(check_fields(*reader, head));
+  Forest::Load load;
+  load.nodes = [reader](const ForestHead& of, std::uint32_t page) -> Result<ForestContent> {
     const store::BlockKey key = key_of(Kind::page, page);
     LODE_TRY(const auto bytes, read_block(*reader, key));
     return decode_page(bytes, reader->path() + ": " + store::describe(key), of, page);
+  };
+  load.roots = [reader](const ForestHead& of, std::size_t field) -> Result<FieldRoots> {
+    FieldRoots roots;
+    LODE_CHECK(read_parts(
+        *reader, of.roots.size(),
+        [&](std::uint32_t part) { return key_of(Kind::field_roots, part, field); },
+        [&](StreamReader& in, std::size_t n) {
+          return read_field_roots(in, n, of, of.fields[field], roots);
+        }));
+    return roots;
+  };
+  load.field = [reader](const ForestHead& of, std::size_t field, std::uint32_t page,
+                        const ForestPage& nodes) -> Result<FieldPage> {
+    const store::BlockKey key = key_of(Kind::field_page, page, field);
+    LODE_TRY(const auto bytes, read_block(*reader, key));
+    return decode_field_page(bytes, reader->path() + ": " + store::describe(key), of,
+                             of.fields[field], page, nodes);
   };
   return OpenedForest{Forest(std::move(head), std::move(load)), [reader] {
                         return FileReads{reader->reads().n_bytes, reader->file_size()};

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/midpoint/field_blocks.h"
 #include "lode/models/tetra_mt/midpoint/file_layout.h"
 #include "lode/models/tetra_mt/midpoint/forest_blocks.h"
 #include "lode/models/tetra_mt/midpoint/persist.h"
@@ -65,26 +66,52 @@ Result<void> append_base(const Hierarchy& head, store::Writer& writer) {
                 [&](auto first, auto n) { return encode_tetrahedra(head, first, n); });
 }
 
+/// Encodes pages side by side, and appends them in their order. `encode(page)`: its bytes.
+template <typename Encode>
+Result<void> append_pages(std::uint32_t n_pages, Kind kind, std::size_t field, Threads threads,
+                          const Encode& encode, store::Writer& writer, Progress& progress) {
+  constexpr std::uint32_t kPagesAtOnce = 256;
+  std::vector<store::EncodedBlock> blocks(kPagesAtOnce);
+  for (std::uint32_t first = 0; first < n_pages; first += kPagesAtOnce) {
+    const std::uint32_t n = std::min(kPagesAtOnce, n_pages - first);
+    parallel_for(n, threads, 1, [&](std::size_t i, int) {
+      blocks[i] = as_block(encode(first + static_cast<std::uint32_t>(i)));
+    });
+    for (std::uint32_t i = 0; i < n; ++i)
+      LODE_CHECK(writer.append(key_of(kind, first + i, field), blocks[i]));
+    if (progress.is_cancelled()) return cancelled_error();
+    progress.report("writing", static_cast<double>(first + n) / static_cast<double>(n_pages));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::uint64_t> save(const Hierarchy& hierarchy, const std::string& path, Threads threads,
                            Progress& progress) {
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
   LODE_CHECK(append_base(hierarchy, writer));
-  constexpr std::size_t kPagesAtOnce = 256;
-  const std::size_t n_pages = hierarchy.pages.n_pages();
-  std::vector<store::EncodedBlock> blocks(kPagesAtOnce);
-  for (std::size_t first = 0; first < n_pages; first += kPagesAtOnce) {
-    const std::size_t n = std::min(kPagesAtOnce, n_pages - first);
-    parallel_for(n, threads, 1, [&](std::size_t i, int) {
-      const auto page = static_cast<std::uint32_t>(first + i);
-      blocks[i] = as_block(encode_page(content_of(hierarchy, page), hierarchy, page));
-    });
-    for (std::size_t i = 0; i < n; ++i)
-      LODE_CHECK(
-          writer.append(key_of(Kind::page, static_cast<std::uint32_t>(first + i)), blocks[i]));
-    if (progress.is_cancelled()) return cancelled_error();
-    progress.report("writing", static_cast<double>(first + n) / static_cast<double>(n_pages));
+  const std::uint32_t n_pages = hierarchy.pages.n_pages();
+  LODE_CHECK(append_pages(
+      n_pages, Kind::page, 0, threads,
+      [&](std::uint32_t page) { return encode_page(content_of(hierarchy, page), hierarchy, page); },
+      writer, progress));
+  for (std::size_t f = 1; f < hierarchy.fields.size(); ++f) {
+    const FurtherField& field = hierarchy.further[f - 1];
+    LODE_CHECK(append_parts(
+        hierarchy.roots.size(), kBasePart,
+        [&](std::uint32_t part) { return key_of(Kind::field_roots, part, f); },
+        [&](auto first, auto n) { return encode_field_roots(field.roots, hierarchy, first, n); },
+        writer));
+    LODE_CHECK(append_pages(
+        n_pages, Kind::field_page, f, threads,
+        [&](std::uint32_t page) {
+          const ForestPage nodes(content_of(hierarchy, page), hierarchy.pages, page,
+                                 hierarchy.n_vertices);
+          return encode_field_page(field_page_of(hierarchy, field, page), hierarchy,
+                                   hierarchy.fields[f], page, nodes);
+        },
+        writer, progress));
   }
   writer.set_metadata(encode_head(hierarchy));
   return writer.finish(progress);

@@ -18,31 +18,30 @@ constexpr double kSizeShare = 1e-6;
 State::State(const TetraMesh& reference)
     : mesh(reference),
       scales(reference),
+      n_fields(reference.fields.size()),
       outside(static_cast<std::uint32_t>(reference.positions.size())),
       tetrahedra(reference.tetrahedra),
       next_sample(outside, kNone),
       positions(reference.positions),
-      values(reference.fields[0].values),
       is_reference(outside, 1),
       deviations(outside, 0),
-      errors(outside, 0),
+      errors(n_fields * outside, 0),
       keys(outside, 0),
       is_there(outside, 1),
       is_locked(outside, 0),
       n_cells(tetrahedra.size()) {
+  take_fields();
   if (positions.empty()) return;
   codes.reserve(outside);
   Vec3d lower = positions[0];
   Vec3d upper = lower;
-  for (std::uint32_t v = 0; v < outside; ++v) {
-    codes.push_back(scales.code(positions[v], values[v]));
+  for (const Vec3d& p : positions) {
+    codes.push_back(scales.code(p));
     for (std::size_t i = 0; i < 3; ++i) {
-      lower[i] = std::min(lower[i], positions[v][i]);
-      upper[i] = std::max(upper[i], positions[v][i]);
+      lower[i] = std::min(lower[i], p[i]);
+      upper[i] = std::max(upper[i], p[i]);
     }
   }
-  const auto [low, high] = std::ranges::minmax(values);
-  value_scale = high > low ? 1 / (high - low) : 0;
   Vec3d farthest;
   Vec3d steps;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -53,6 +52,22 @@ State::State(const TetraMesh& reference)
       length(steps) + (mesh.has_narrow_positions ? 0x1p-24 * length(farthest) : 0);
   step_limit = kStepRoundings * rounding;
   deviation_limit = std::max(kRoundings * rounding, kSizeShare * length(upper - lower));
+}
+
+void State::take_fields() {
+  for (const MeshField& field : mesh.fields) {
+    field_scales.push_back(scale_of(field.values));
+    const auto [low, high] = std::ranges::minmax_element(field.values);
+    const double range = field.values.empty() ? 0 : *high - *low;
+    value_units.push_back(range > 0 ? 1 / range : 0);
+  }
+  values.reserve(n_fields * outside);
+  value_codes.reserve(n_fields * outside);
+  for (std::uint32_t v = 0; v < outside; ++v)
+    for (std::size_t f = 0; f < n_fields; ++f) {
+      values.push_back(sample(v, f));
+      value_codes.push_back(field_scales[f].code(values.back()));
+    }
 }
 
 Result<void> State::close(Threads threads) {

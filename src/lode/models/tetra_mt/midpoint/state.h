@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/core/progress.h"
@@ -13,19 +15,19 @@ namespace lode::tetra_mt::midpoint {
 struct EdgeCollapse {
   std::uint32_t kept;     ///< The first end, for the placement,
   std::uint32_t removed;  ///< and the second.
-  Placement placement;
+  Place position;         ///< Where it lies.
 };
 
-/// What is known of a collapse, in the field's unit.
+/// What is known of a collapse, for each field, in its unit.
 struct EdgeFacts {
   double error;  ///< Largest |F - F'| at samples in the tetrahedra that came of it, rounded up.
   double low;    ///< Of F at these samples, and of F' at the corners of what went and what came.
   double high;
+  Place value;  ///< Whose value the new vertex has.
 };
 
 /// What becomes of a mesh as its edges collapse. Vertices are slots, at first those of the mesh.
 struct State {
-  /// Expects one field.
   explicit State(const TetraMesh& reference);
   /// Fails when a face has more than two tetrahedra.
   [[nodiscard]] Result<void> close(Threads threads);
@@ -34,6 +36,8 @@ struct State {
 
   const TetraMesh& mesh;
   Scales scales;
+  std::size_t n_fields;
+  std::vector<Scale> field_scales;      ///< By field.
   std::uint32_t outside;                ///< The vertex outside; all others are before it.
   std::vector<Tetrahedron> tetrahedra;  ///< By slot; those that went have no first corner.
   /// labels_of() by slot. A collapse keeps them.
@@ -41,10 +45,11 @@ struct State {
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
   std::vector<std::uint32_t> next_sample;   ///< By vertex of the mesh that is no more in it.
 
-  // By vertex.
-  std::vector<Code> codes;
-  std::vector<Vec3d> positions;  ///< The mesh's own, or what codes say.
-  std::vector<double> values;
+  // By vertex; values, their codes and errors by field, too.
+  std::vector<PositionCode> codes;
+  std::vector<std::int32_t> value_codes;
+  std::vector<Vec3d> positions;            ///< The mesh's own, or what codes say.
+  std::vector<double> values;              ///< Likewise.
   std::vector<std::uint8_t> is_reference;  ///< It is still the mesh's.
   std::vector<double> deviations;  ///< How far its faces on the boundary may be off, as summed up.
   std::vector<float> errors;       ///< F - F', as shares of the range, where it is a sample.
@@ -52,12 +57,23 @@ struct State {
   std::vector<std::uint8_t> is_there;
   std::vector<std::uint8_t> is_locked;  ///< Its link is no sphere.
 
-  double value_scale = 0;               ///< Makes the range 1; 0 where there is none.
+  std::vector<double> value_units;      ///< By field: makes its range 1; 0 where there is none.
   double step_limit = 0;                ///< What of the boundary's moving counts as rounding,
   double deviation_limit = 0;           ///< and what that may add up to.
   std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
   std::vector<EdgeCollapse> collapses;  ///< In an order that can be done again.
-  std::vector<EdgeFacts> facts;         ///< By collapse.
+  std::vector<EdgeFacts> facts;         ///< By collapse and field.
+
+  /// Of the mesh that was read.
+  [[nodiscard]] double sample(std::uint32_t vertex, std::size_t field) const {
+    return mesh.fields[field].values[vertex];
+  }
+  [[nodiscard]] std::span<float> errors_of(std::uint32_t vertex) {
+    return std::span(errors).subspan(vertex * n_fields, n_fields);
+  }
+
+ private:
+  void take_fields();
 };
 
 }  // namespace lode::tetra_mt::midpoint

@@ -59,7 +59,7 @@ std::vector<Bounds> bounds_of_nodes(const Forest& forest) {
     const Split split = forest.split(node);
     const Code& code = codes[head.n_vertices + node];
     bounds[node] = {head.scales.position(code),
-                    head.codes.radius(NodeCodes::parts(forest.facts(node)).radius)};
+                    head.radii.radius(NodeCodes::parts(forest.facts(node)).radius)};
     if (split.children.first == kNone) continue;
     const Ends ends = parted(code, split.difference, split.placement);
     codes[split.children.first] = ends.first;
@@ -68,23 +68,25 @@ std::vector<Bounds> bounds_of_nodes(const Forest& forest) {
   return bounds;
 }
 
+/// Of all fields.
 StructureFinding check_nested(const Forest& forest) {
   const ForestHead& head = forest.head();
   const std::vector<Bounds> bounds = bounds_of_nodes(forest);
   StructureFinding finding;
-  for (std::uint32_t node = 0; node < head.n_nodes(); ++node) {
-    const NodeCodes::Parts outer = NodeCodes::parts(forest.facts(node));
-    const auto [first, second] = forest.children(node);
-    for (const std::uint32_t child : {first, second}) {
-      if (child == kNone || head.is_leaf(child)) continue;
-      const std::uint32_t there = child - head.n_vertices;
-      const NodeCodes::Parts inner = NodeCodes::parts(forest.facts(there));
-      finding.add(
-          inner.error <= outer.error && outer.low <= inner.low && inner.high <= outer.high &&
-              bounds[node].contains(bounds[there]),
-          fmt::format("node {}: holds less than node {}, which it splits into", node, there));
+  for (std::size_t field = 0; field < head.fields.size(); ++field)
+    for (std::uint32_t node = 0; node < head.n_nodes(); ++node) {
+      const NodeCodes::Parts outer = NodeCodes::parts(forest.facts(node, field));
+      const auto [first, second] = forest.children(node);
+      for (const std::uint32_t child : {first, second}) {
+        if (child == kNone || head.is_leaf(child)) continue;
+        const std::uint32_t there = child - head.n_vertices;
+        const NodeCodes::Parts inner = NodeCodes::parts(forest.facts(there, field));
+        finding.add(inner.error <= outer.error && outer.low <= inner.low &&
+                        inner.high <= outer.high && bounds[node].contains(bounds[there]),
+                    fmt::format("node {}: holds less of {} than node {}, which it splits into",
+                                node, head.fields[field].name, there));
+      }
     }
-  }
   return finding;
 }
 
