@@ -217,9 +217,6 @@ Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading, Thre
     options.placement = Placement::midpoint;
   else if (!reading.placement.empty() && reading.placement != "half-edge")
     return fail("--placement: expected half-edge or midpoint, got '{}'", reading.placement);
-  if (options.placement == Placement::half_edge) return options;
-  if (options.order != CollapseOrder::squared_error)
-    return fail("--order: expected 'error' with --placement midpoint, got another");
   return options;
 }
 

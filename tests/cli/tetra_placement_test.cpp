@@ -469,28 +469,35 @@ TEST_F(cli_tetra_placement, takes_orders_whose_errors_are_as_true) {
   const SimplexMesh reference = noise();
   const std::map<std::string, Words> orders{
       {"error", {}}, {"space", {"--order", "space"}}, {"quadric", {"--fast"}}};
-  std::map<std::string, std::vector<CellKey>> cells;
-  for (const auto& [order, options] : orders) {
-    Words words{"extract", input_, output_, "--mesh", "--max-error", "0.3"};
-    words.insert(words.end(), options.begin(), options.end());
-    const nlohmann::json json = done(words);
-    EXPECT_EQ(json.at("order"), order);
-    EXPECT_LE(json.at("largest_error"), 0.3);
-    EXPECT_LE(largest_error(reference, read(output_)),
-              json.at("largest_error").get<double>() + 1e-9);
-    cells[order] = sorted_cells(read(output_));
+  for (const char* placement : {"half-edge", "midpoint"}) {
+    std::map<std::string, std::vector<CellKey>> cells;
+    for (const auto& [order, options] : orders) {
+      Words words{"extract",     input_, output_,       "--mesh",
+                  "--max-error", "0.3",  "--placement", placement};
+      words.insert(words.end(), options.begin(), options.end());
+      const nlohmann::json json = done(words);
+      EXPECT_EQ(json.at("order"), order);
+      EXPECT_EQ(json.at("placement"), placement);
+      EXPECT_LE(json.at("largest_error"), 0.3);
+      EXPECT_LE(largest_error(reference, read(output_)),
+                json.at("largest_error").get<double>() + 1e-9);
+      cells[order] = sorted_cells(read(output_));
+    }
+    EXPECT_NE(cells["error"], cells["space"]);
+    EXPECT_NE(cells["error"], cells["quadric"]);
+    static_cast<void>(done({"extract", input_, output_, "--mesh", "--max-error", "0.3", "--order",
+                            "quadric", "--placement", placement}));
+    EXPECT_EQ(sorted_cells(read(output_)), cells["quadric"]);
   }
-  EXPECT_NE(cells["error"], cells["space"]);
-  EXPECT_NE(cells["error"], cells["quadric"]);
-  static_cast<void>(
-      done({"extract", input_, output_, "--mesh", "--max-error", "0.3", "--order", "quadric"}));
-  EXPECT_EQ(sorted_cells(read(output_)), cells["quadric"]);
 }
 
 TEST_F(cli_tetra_placement, builds_files_in_any_order_that_verify) {
   const std::string model = scratch_ / "out.lode";
-  for (const char* order : {"space", "quadric"}) {
-    EXPECT_EQ(done({"build", input_, model, "--order", order}).at("order"), order);
+  for (const auto& [placement, order] :
+       {std::pair("half-edge", "space"), {"half-edge", "quadric"}, {"midpoint", "quadric"}}) {
+    EXPECT_EQ(
+        done({"build", input_, model, "--order", order, "--placement", placement}).at("order"),
+        order);
     static_cast<void>(done({"verify", model, "--against", input_}));
     static_cast<void>(done({"extract", model, output_, "--mesh", "--max-error", "0"}));
     EXPECT_EQ(sorted_cells(read(output_)), sorted_cells(read(input_)));
@@ -507,7 +514,8 @@ TEST_F(cli_tetra_placement, refuses_orders_that_cannot_be_meant) {
   };
   refused({"--order", "size"}, "--order: expected error, space or quadric, got 'size'");
   refused({"--order", "space", "--fast"}, "--order: expected 'quadric' with --fast, got 'space'");
-  refused({"--placement", "midpoint", "--fast"}, "expected 'error' with --placement midpoint");
+  refused({"--placement", "midpoint", "--order", "space", "--fast"},
+          "--order: expected 'quadric' with --fast, got 'space'");
 }
 
 TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
@@ -521,8 +529,6 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
   refused({"build", input_, model, "--placement", "midpoint", "--everywhere"}, message);
   refused({"build", input_, model, "--placement", "midpoint", "--boundary-tolerance", "0.1"},
           message);
-  refused({"build", input_, model, "--placement", "midpoint", "--order", "space"},
-          "expected 'error' with --placement midpoint");
   EXPECT_FALSE(std::ifstream(model).is_open());
   refused({"build", input_, model, "--placement", "centre"},
           "expected half-edge or midpoint, got 'centre'");

@@ -90,14 +90,14 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
                                        Progress& progress) {
   if (options.error_place == ErrorPlace::everywhere || options.boundary_tolerance > 0)
     return fail("midpoints: expected errors at samples and a boundary tolerance of 0, got others");
-  if (options.order != CollapseOrder::squared_error)
-    return fail("midpoints: expected an order by squared errors, got another");
   LODE_CHECK(check_n_fields(mesh));
   LODE_CHECK(check_memory(mesh, options));
   LODE_TRY(const auto collapses,
-           tetra_mt::midpoint::collapse_edges(
-               mesh, {.base_cells = base_cells_of(mesh, options), .threads = options.threads},
-               progress));
+           tetra_mt::midpoint::collapse_edges(mesh,
+                                              {.base_cells = base_cells_of(mesh, options),
+                                               .order = options.order,
+                                               .threads = options.threads},
+                                              progress));
   LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));
   return BuiltMidpoints{std::move(hierarchy), collapses.volume_change};
 }

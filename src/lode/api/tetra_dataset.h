@@ -40,7 +40,7 @@ struct TetraBuildOptions {
   /// Midpoints have errors at samples and a boundary tolerance of 0.
   Placement placement = Placement::half_edge;
   /// Which edges collapse first. Errors are measured, and as true, whatever it is: quadrics take
-  /// less time where most cells go, for larger errors at as many. Of midpoints only the first.
+  /// less time where most cells go, for larger errors at as many.
   CollapseOrder order = CollapseOrder::squared_error;
   /// Bytes; a mesh that needs more is refused. 0: none.
   std::uint64_t memory_limit = 0;

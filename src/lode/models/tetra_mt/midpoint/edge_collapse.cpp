@@ -15,6 +15,7 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// False, and nothing done, where rounding leaves open what covers a sample.
 bool EdgeCollapser::collapse(const Choice& choice) {
+  if (is_by_quadrics()) gather_own_samples();
   for (int i = 0; i < star_.n_link; ++i)
     link_places_[star_.link[static_cast<std::size_t>(i)]] = static_cast<std::uint8_t>(i);
   const bool is_known = look_at_edge(choice.place);
@@ -122,6 +123,8 @@ void EdgeCollapser::move_samples() {
     for (std::size_t f = 0; f < state_.n_fields; ++f)
       state_.errors_of(sample)[f] =
           static_cast<float>(new_errors_[s * state_.n_fields + f] * state_.value_units[f]);
+    for (std::size_t f = 0; is_by_space() && f < state_.n_fields; ++f)
+      state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, covers_[s].lane);
   }
 }
 
@@ -156,6 +159,9 @@ void EdgeCollapser::make_vertex(std::uint32_t other) {
     state_.value_codes[slot * n + f] = value_[f].code;
     state_.values[slot * n + f] = values_[star_.vertex * n + f] = value_[f].value;
   }
+  if (is_by_quadrics())
+    for (std::size_t f = 0; f < n; ++f)
+      state_.quadrics_of(slot)[f].add(state_.quadrics_of(global(other))[f]);
   state_.is_reference[slot] = 0;
   state_.is_reference[global(other)] = 0;
   state_.deviations[slot] = rule_.moved;

@@ -111,8 +111,8 @@ bool EdgeCollapser::owns_edge_to(std::uint32_t other) const {
          state_.is_locked[global(other)] == 0;
 }
 
-/// False where a tetrahedron that comes would be flat or turned round.
-bool EdgeCollapser::make_fan_at(int place) {
+/// Where the new one comes, and its values.
+void EdgeCollapser::find_vertex(int place) {
   const std::uint32_t first = global(star_.vertex);
   const std::uint32_t second = global(star_.link[static_cast<std::size_t>(place)]);
   const std::size_t n_fields = state_.n_fields;
@@ -126,7 +126,12 @@ bool EdgeCollapser::make_fan_at(int place) {
     fan_.kept_value[f] = static_cast<float>((made.value - values_[star_.vertex * n_fields + f]) *
                                             state_.value_units[f]);
   }
-  lanes_.fill(edge_, link_, covered_.link_values, n_fields);
+}
+
+/// False where a tetrahedron that comes would be flat or turned round.
+bool EdgeCollapser::make_fan_at(int place) {
+  find_vertex(place);
+  lanes_.fill(edge_, link_, covered_.link_values, state_.n_fields);
   std::size_t n_flat = lanes_.n - static_cast<std::size_t>(edge_.n_triangles);
   if (edge_.outside >= 0)
     for (int i = 0; i < edge_.n_triangles; ++i) n_flat += edge_.has(i, edge_.outside) ? 1 : 0;
@@ -154,7 +159,7 @@ void EdgeCollapser::find_choices() {
   for (int place = 0; place < star_.n_link; ++place) {
     if (place == star_.outside || !owns_edge_to(star_.link[static_cast<std::size_t>(place)]))
       continue;
-    const auto choice = choice_of(place, least);
+    const auto choice = is_by_quadrics() ? choice_by_quadrics(place) : choice_of(place, least);
     if (!choice) continue;
     least = std::min(least, static_cast<double>(choice->increase));
     choices_.push_back(*choice);
@@ -190,6 +195,8 @@ void EdgeCollapser::look_again_beside(float key, float limit) {
     const std::uint32_t v = edge_.link[static_cast<std::size_t>(i)];
     if (i == edge_.outside || live_.star(v).empty() || state_.is_locked[global(v)] != 0) continue;
     float& known = state_.keys[global(v)];
+    // A collapse changes one quadric: what others wait with is found anew when they come up.
+    if (is_by_quadrics() && known != kNever) continue;
     known = known == kNever ? key : known * kDiscount;
     if (known < limit) queue_.set(v, known);
   }

@@ -37,6 +37,8 @@ class EdgeCollapser {
   /// Finds which of the first `n` vertices are locked, and then their keys; what is beside them
   /// must be among the block's vertices, too, and be known to be locked or not.
   void find_locked(std::size_t n);
+  /// Where quadrics are the order: those of the first n, before any keys.
+  void find_quadrics(std::size_t n);
   void find_keys(std::size_t n);
 
   [[nodiscard]] std::span<const EdgeCollapse> collapses() const { return collapses_; }
@@ -50,7 +52,7 @@ class EdgeCollapser {
   /// What may become of an edge, but for the link condition.
   struct Choice {
     int place;       ///< Of the other end, in the star's link.
-    float increase;  ///< Of cost_of() errors, for each cell that goes; at least 0.
+    float increase;  ///< As the order says, for each cell that goes; at least 0.
     bool is_inner;   ///< The other end has none but own vertices beside it.
   };
   /// Where the new vertex may lie.
@@ -75,9 +77,13 @@ class EdgeCollapser {
   [[nodiscard]] std::uint32_t global(std::uint32_t vertex) const { return vertices_[vertex]; }
   [[nodiscard]] bool is_inner(const Star& star) const;
   [[nodiscard]] bool owns_edge_to(std::uint32_t other) const;
+  [[nodiscard]] bool is_by_quadrics() const { return state_.order == CollapseOrder::quadric; }
+  [[nodiscard]] bool is_by_space() const { return state_.order == CollapseOrder::space_error; }
 
   // edge_star.cpp: what is at a vertex, and at an edge.
   void look_at_star();
+  void gather_own_samples();
+  [[nodiscard]] bool look_at_other(int place);
   [[nodiscard]] bool look_at_edge(int place);
   [[nodiscard]] bool join_links();
   void join_triangles(int place);
@@ -94,9 +100,12 @@ class EdgeCollapser {
   [[nodiscard]] bool find_value_places(Place position);
   [[nodiscard]] bool keeps_regions(int place) const;
 
+  void find_vertex(int place);
   [[nodiscard]] bool make_fan_at(int place);
   void find_choices();
   [[nodiscard]] std::optional<Choice> choice_of(int place, double least);
+  [[nodiscard]] std::optional<Choice> choice_by_quadrics(int place);
+  void add_quadrics_of_star();
   [[nodiscard]] bool collapse_best(float key, float limit);
   void look_again_beside(float key, float limit);
 

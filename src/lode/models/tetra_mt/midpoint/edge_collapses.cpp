@@ -98,6 +98,8 @@ class Rounds {
       });
     };
     visit([](EdgeCollapser& block, std::size_t n) { block.find_locked(n); });
+    if (options_.order == CollapseOrder::quadric)
+      visit([](EdgeCollapser& block, std::size_t n) { block.find_quadrics(n); });
     visit([](EdgeCollapser& block, std::size_t n) { block.find_keys(n); });
   }
 
@@ -160,7 +162,7 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
                                      Progress& progress) {
   LODE_CHECK(check_mesh(mesh));
   if (mesh.fields.empty()) return fail("midpoints: expected a field, got none");
-  State state(mesh);
+  State state(mesh, options.order);
   LODE_CHECK(state.close(options.threads));
   const double volume = state.volume();
   LODE_CHECK(Rounds(options, state).run(progress));

@@ -12,6 +12,7 @@ namespace lode::tetra_mt::midpoint {
 
 struct EdgeCollapseOptions {
   std::uint64_t base_cells = 0;  ///< About where to stop.
+  CollapseOrder order = CollapseOrder::squared_error;
   Threads threads = {};
 };
 
@@ -27,17 +28,17 @@ struct EdgeCollapses {
 };
 
 /// Collapses edges to their midpoints until few cells are left, or none may go: the edge first
-/// whose going adds least to what errors at all samples cost, for each cell that goes with it
-/// (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2). Samples are the vertices of
-/// the reference that are no more in the mesh; errors of all fields count, as shares of their
-/// ranges. Of each field the new vertex has the mean of the values, or that of the end which is an
-/// extremum of it in the mesh as it is; a maximum and a minimum do not collapse. The mesh stays
-/// what it is, topologically; its boundary, and what lies between regions, stays in its planes, but
-/// for rounding: an end that may not go along the edge keeps its place, and the other one comes
-/// there, with its value. No tetrahedron that comes is flat or turned round, no vertex has more
-/// than kMaxLink beside it. In rounds of blocks in space; the same comes of any number of threads.
-/// Fails when a face has more than two tetrahedra, a value is not finite, a region has no id, or
-/// there is no field.
+/// whose going adds least to what errors at all samples cost, for each cell that goes with it, or
+/// as the order says; errors are measured whatever it is (Cignoni, De Floriani, Magillo, Puppo,
+/// Scopigno 2004, section 4.2). Samples are the vertices of the reference that are no more in the
+/// mesh; errors of all fields count, as shares of their ranges. Of each field the new vertex has
+/// the mean of the values, or that of the end which is an extremum of it in the mesh as it is; a
+/// maximum and a minimum do not collapse. The mesh stays what it is, topologically; its boundary,
+/// and what lies between regions, stays in its planes, but for rounding: an end that may not go
+/// along the edge keeps its place, and the other one comes there, with its value. No tetrahedron
+/// that comes is flat or turned round, no vertex has more than kMaxLink beside it. In rounds of
+/// blocks in space; the same comes of any number of threads. Fails when a face has more than two
+/// tetrahedra, a value is not finite, a region has no id, or there is no field.
 [[nodiscard]] Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh,
                                                    const EdgeCollapseOptions& options,
                                                    Progress& progress);

@@ -29,6 +29,11 @@ void EdgeCollapser::look_at_star() {
     if (i != star_.outside) add_link_vertex(i, star_.link[static_cast<std::size_t>(i)]);
   edge_.vertex = star_.vertex;
   std::copy_n(star_.link.begin(), star_.n_link, edge_.link.begin());
+  covered_.space_unit = is_by_space() ? static_cast<float>(1 / (scale_ * state_.size)) : 0;
+  if (!is_by_quadrics()) gather_own_samples();
+}
+
+void EdgeCollapser::gather_own_samples() {
   covered_.samples.clear();
   covered_.cost = 0;
   if (state_.is_reference[global(star_.vertex)] != 0) add_sample(global(star_.vertex));
@@ -64,7 +69,8 @@ void EdgeCollapser::add_sample(std::uint32_t sample) {
   for (std::size_t f = 0; f < n; ++f)
     covered_.values[at * n + f] = static_cast<float>(
         (state_.sample(sample, f) - values_[star_.vertex * n + f]) * state_.value_units[f]);
-  for (const float error : state_.errors_of(sample))
+  if (is_by_quadrics()) return;
+  for (const float error : is_by_space() ? state_.distances_of(sample) : state_.errors_of(sample))
     covered_.cost += cost_of(static_cast<double>(error));
 }
 
@@ -76,14 +82,12 @@ void EdgeCollapser::add_samples_of(std::uint32_t slot) {
 bool EdgeCollapser::join_links() {
   edge_.n_link = star_.n_link;
   edge_.outside = star_.outside;
-  place_in_other_ = kNowhere;
   for (int j = 0; j < other_.n_link; ++j) {
     const std::uint32_t v = other_.link[static_cast<std::size_t>(j)];
     int& at = joined_[static_cast<std::size_t>(j)];
     at = kNowhere;
-    if (v == star_.vertex) {
-      place_in_other_ = j;
-    } else if (link_places_[v] != kNoPlace) {
+    if (j == place_in_other_) continue;
+    if (link_places_[v] != kNoPlace) {
       at = link_places_[v];
     } else {
       if (edge_.n_link == Star::kMaxLink) return false;
@@ -95,7 +99,7 @@ bool EdgeCollapser::join_links() {
         add_link_vertex(at, v);
     }
   }
-  return place_in_other_ != kNowhere;
+  return true;
 }
 
 /// Those across from either end without the other.
@@ -118,16 +122,24 @@ void EdgeCollapser::join_triangles(int place) {
   edge_.n_triangles = static_cast<int>(n);
 }
 
-/// What choices are made from; false where it is too much.
+/// What is at the other end; false where it is too much.
+bool EdgeCollapser::look_at_other(int place) {
+  if (!gatherer_.gather(star_.link[static_cast<std::size_t>(place)], other_)) return false;
+  place_in_other_ = 0;
+  while (other_.link[static_cast<std::size_t>(place_in_other_)] != star_.vertex) ++place_in_other_;
+  find_interfaces_of(other_, other_interfaces_);
+  find_extrema(other_, other_extrema_);
+  return true;
+}
+
+/// What choices are made from, and what a collapse needs; false where it is too much.
 bool EdgeCollapser::look_at_edge(int place) {
   const std::uint32_t end = star_.link[static_cast<std::size_t>(place)];
-  if (!gatherer_.gather(end, other_) || !join_links()) return false;
+  if (!look_at_other(place) || !join_links()) return false;
   covered_.samples.resize(n_own_samples_);
   covered_.cost = own_cost_;
   if (state_.is_reference[global(end)] != 0) add_sample(global(end));
   join_triangles(place);
-  find_interfaces_of(other_, other_interfaces_);
-  find_extrema(other_, other_extrema_);
   return edge_.n_triangles < Star::kMaxTriangles;
 }
 

@@ -15,8 +15,9 @@ constexpr double kSizeShare = 1e-6;
 
 }  // namespace
 
-State::State(const TetraMesh& reference)
+State::State(const TetraMesh& reference, CollapseOrder collapse_order)
     : mesh(reference),
+      order(collapse_order),
       scales(reference),
       n_fields(reference.fields.size()),
       outside(static_cast<std::uint32_t>(reference.positions.size())),
@@ -29,6 +30,8 @@ State::State(const TetraMesh& reference)
       keys(outside, 0),
       is_there(outside, 1),
       is_locked(outside, 0),
+      distances(order == CollapseOrder::space_error ? errors.size() : 0, 0),
+      quadrics(order == CollapseOrder::quadric ? errors.size() : 0),
       n_cells(tetrahedra.size()) {
   take_fields();
   if (positions.empty()) return;
@@ -50,6 +53,8 @@ State::State(const TetraMesh& reference)
   }
   const double rounding =
       length(steps) + (mesh.has_narrow_positions ? 0x1p-24 * length(farthest) : 0);
+  centre = 0.5 * (lower + upper);
+  if (const double diagonal = length(upper - lower); diagonal > 0) size = diagonal;
   step_limit = kStepRoundings * rounding;
   deviation_limit = std::max(kRoundings * rounding, kSizeShare * length(upper - lower));
 }

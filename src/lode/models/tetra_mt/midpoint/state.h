@@ -7,6 +7,8 @@
 
 #include "lode/core/progress.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
+#include "lode/models/tetra_mt/collapse_order.h"
+#include "lode/models/tetra_mt/field_quadric.h"
 #include "lode/models/tetra_mt/midpoint/codes.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -28,13 +30,14 @@ struct EdgeFacts {
 
 /// What becomes of a mesh as its edges collapse. Vertices are slots, at first those of the mesh.
 struct State {
-  explicit State(const TetraMesh& reference);
+  State(const TetraMesh& reference, CollapseOrder collapse_order);
   /// Fails when a face has more than two tetrahedra.
   [[nodiscard]] Result<void> close(Threads threads);
   /// That the closed mesh encloses now.
   [[nodiscard]] double volume() const;
 
   const TetraMesh& mesh;
+  CollapseOrder order;
   Scales scales;
   std::size_t n_fields;
   std::vector<Scale> field_scales;      ///< By field.
@@ -57,7 +60,11 @@ struct State {
   std::vector<std::uint8_t> is_there;
   std::vector<std::uint8_t> is_locked;  ///< Its link is no sphere.
 
-  std::vector<double> value_units;      ///< By field: makes its range 1; 0 where there is none.
+  std::vector<double> value_units;  ///< By field: makes its range 1; 0 where there is none.
+  std::vector<float> distances;     ///< By vertex and field: of a sample how far F' has the value,
+  std::vector<FieldQuadric> quadrics;   ///< and likewise; where they are the order.
+  Vec3d centre;                         ///< Of the mesh's box.
+  double size = 1;                      ///< Its diagonal; 1 where it has none.
   double step_limit = 0;                ///< What of the boundary's moving counts as rounding,
   double deviation_limit = 0;           ///< and what that may add up to.
   std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
@@ -70,6 +77,12 @@ struct State {
   }
   [[nodiscard]] std::span<float> errors_of(std::uint32_t vertex) {
     return std::span(errors).subspan(vertex * n_fields, n_fields);
+  }
+  [[nodiscard]] std::span<float> distances_of(std::uint32_t vertex) {
+    return std::span(distances).subspan(vertex * n_fields, n_fields);
+  }
+  [[nodiscard]] std::span<FieldQuadric> quadrics_of(std::uint32_t vertex) {
+    return std::span(quadrics).subspan(vertex * n_fields, n_fields);
   }
 
  private:
