@@ -453,6 +453,34 @@ TEST_F(cli_tetra_placement, takes_several_fields) {
             0);
 }
 
+/// Of a ball, within a share of its size.
+TEST_F(cli_tetra_placement, lets_boundaries_move_by_as_much_as_is_asked_for) {
+  SimplexMesh mesh = noise();
+  for (Vec3d& p : mesh.positions) {
+    p = (p - Vec3d{{0.5, 0.5, 0.5}}) * 2;
+    const double largest = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    if (largest > 0) p = p * (largest / length(p));
+  }
+  std::erase_if(mesh.tetrahedra, [&](const auto& t) {
+    const auto& p = mesh.positions;
+    return dot(cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]), p[t[3]] - p[t[0]]) < 1e-8;
+  });
+  mesh.errors.resize(mesh.tetrahedra.size());
+  Progress progress;
+  ASSERT_TRUE(write_vtu(input_, mesh, {.value_name = "noise"}, progress));
+  const std::string model = scratch_ / "out.lode";
+  int n_last = static_cast<int>(mesh.tetrahedra.size());
+  for (const char* tolerance : {"0", "0.05", "0.2"}) {
+    const nlohmann::json built = done({"build", input_, model, "--placement", "midpoint",
+                                       "--base-cells", "0", "--boundary-tolerance", tolerance});
+    EXPECT_LE(built.at("boundary_deviation").get<double>(), std::stod(tolerance) + 1e-5);
+    EXPECT_LT(built.at("base_cells"), n_last);
+    n_last = built.at("base_cells");
+    const nlohmann::json verified = done({"verify", model, "--against", input_});
+    for (const auto& check : verified.at("checks")) EXPECT_EQ(check.at("passed"), true) << check;
+  }
+}
+
 TEST_F(cli_tetra_placement, is_the_same_for_any_number_of_threads) {
   const auto bytes = [&](const char* threads) {
     static_cast<void>(
@@ -525,10 +553,8 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
     EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
   };
   const std::string model = scratch_ / "out.lode";
-  const std::string message = "expected neither --everywhere nor --boundary-tolerance with it";
-  refused({"build", input_, model, "--placement", "midpoint", "--everywhere"}, message);
-  refused({"build", input_, model, "--placement", "midpoint", "--boundary-tolerance", "0.1"},
-          message);
+  refused({"build", input_, model, "--placement", "midpoint", "--everywhere"},
+          "--placement midpoint: expected no --everywhere with it");
   EXPECT_FALSE(std::ifstream(model).is_open());
   refused({"build", input_, model, "--placement", "centre"},
           "expected half-edge or midpoint, got 'centre'");

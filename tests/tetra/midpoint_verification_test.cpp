@@ -75,6 +75,34 @@ TEST_F(midpoint_verification, finds_nothing_wrong_with_what_was_built) {
   EXPECT_TRUE(compared->passed());
 }
 
+TetraMesh noise_in_a_ball() {
+  TetraMesh mesh = oracles::noise_mesh(10, oracles::Cut::in_six, 7);
+  for (Vec3d& p : mesh.positions) {
+    const Vec3d d = p - Vec3d{{0.5, 0.5, 0.5}};
+    const double most = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+    p = most > 0 ? d * (most / length(d)) : d;
+  }
+  return mesh;
+}
+
+TEST_F(midpoint_verification, allows_what_is_said_of_a_moving_boundary_and_no_more) {
+  const TetraMesh mesh = noise_in_a_ball();
+  Progress progress;
+  const auto collapses = tetra_mt::midpoint::collapse_edges(
+      mesh, {.boundary_tolerance = 0.03, .threads = {2}}, progress);
+  ASSERT_TRUE(collapses) << collapses.error().message;
+  auto hierarchy = tetra_mt::midpoint::make_hierarchy(mesh, *collapses, {2});
+  ASSERT_TRUE(hierarchy) << hierarchy.error().message;
+  EXPECT_GT(hierarchy->boundary_deviation, 0.005);
+  for (const VerifyReport::Check& check : verified(*hierarchy).checks)
+    EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+  hierarchy->boundary_deviation *= 0.05;
+  std::vector<std::string> failed;
+  for (const VerifyReport::Check& check : verified(*hierarchy).checks)
+    if (!check.passed) failed.push_back(check.name);
+  EXPECT_TRUE(has(failed, "boundary of random cuts where it was"));
+}
+
 TEST_F(midpoint_verification, looks_at_all_fields) {
   const TetraMesh mesh = test::with_fields(mesh_);
   MidpointHierarchy hierarchy = test::midpoints_of(mesh, 150);

@@ -88,14 +88,15 @@ Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh, const TetraBu
 
 Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOptions& options,
                                        Progress& progress) {
-  if (options.error_place == ErrorPlace::everywhere || options.boundary_tolerance > 0)
-    return fail("midpoints: expected errors at samples and a boundary tolerance of 0, got others");
+  if (options.error_place == ErrorPlace::everywhere)
+    return fail("midpoints: expected errors at samples, got errors everywhere");
   LODE_CHECK(check_n_fields(mesh));
   LODE_CHECK(check_memory(mesh, options));
   LODE_TRY(const auto collapses,
            tetra_mt::midpoint::collapse_edges(mesh,
                                               {.base_cells = base_cells_of(mesh, options),
                                                .order = options.order,
+                                               .boundary_tolerance = options.boundary_tolerance,
                                                .threads = options.threads},
                                               progress));
   LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));

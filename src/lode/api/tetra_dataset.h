@@ -37,7 +37,7 @@ struct TetraBuildOptions {
   double boundary_tolerance = 0;
   /// Where errors hold. Everywhere takes a few times as long, and a boundary_tolerance of 0.
   ErrorPlace error_place = ErrorPlace::at_samples;
-  /// Midpoints have errors at samples and a boundary tolerance of 0.
+  /// Midpoints have errors at samples.
   Placement placement = Placement::half_edge;
   /// Which edges collapse first. Errors are measured, and as true, whatever it is: quadrics take
   /// less time where most cells go, for larger errors at as many.

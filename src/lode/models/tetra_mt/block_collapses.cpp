@@ -14,17 +14,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Weights of samples that are outside, and not by rounding of doubles alone.
 constexpr double kLeftOutside = -1e-4;
 
-/// Of a sample that the boundary has left outside: none below 0, and all four 1 together. What the
-/// tetrahedron is outside itself says nothing; thin ones would say anything.
-void clamp_weights(std::array<double, 3>& weights) {
-  double sum = std::max(0.0, 1 - (weights[0] + weights[1] + weights[2]));
-  for (double& w : weights) {
-    w = std::max(w, 0.0);
-    sum += w;
-  }
-  for (double& w : weights) w /= sum;
-}
-
 }  // namespace
 
 /// False, and nothing done, where rounding leaves open what covers a sample.

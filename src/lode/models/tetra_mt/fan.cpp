@@ -40,6 +40,15 @@ void StarLanes::fill(const Star& star, const std::array<Vec3d, Star::kMaxLink>& 
   }
 }
 
+void clamp_weights(std::array<double, 3>& weights) {
+  double sum = std::max(0.0, 1 - (weights[0] + weights[1] + weights[2]));
+  for (double& w : weights) {
+    w = std::max(w, 0.0);
+    sum += w;
+  }
+  for (double& w : weights) w /= sum;
+}
+
 float Fan::error(const StarSamples& samples, std::size_t sample, std::size_t field,
                  std::size_t lane) const {
   const auto& g = gradients[field];

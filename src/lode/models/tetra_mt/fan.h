@@ -91,6 +91,11 @@ struct Fan {
 [[nodiscard]] double cost_of(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
                              double limit);
 
+/// Of a sample that the boundary has left outside, whose weights of a triangle's corners these are:
+/// none below 0, and all four 1 together. What the tetrahedron is outside itself says nothing; thin
+/// ones would say anything.
+void clamp_weights(std::array<double, 3>& weights);
+
 /// Which lane covers a sample: of all the one in which the smallest of the four weights is largest.
 /// Where one holds the point it is that one, or shares a face with it that the point is near.
 [[nodiscard]] std::size_t find_lane(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,

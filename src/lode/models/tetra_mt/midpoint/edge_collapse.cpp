@@ -28,6 +28,7 @@ bool EdgeCollapser::collapse(const Choice& choice) {
   if (!keeps_regions(choice.place) || !make_fan_at(choice.place) || !cover_samples()) return false;
   const std::uint32_t other = star_.link[static_cast<std::size_t>(choice.place)];
   note_facts();
+  note_deviations(choice.place);
   move_samples();
   make_vertex(other);
   n_gone_ += live_.collapse(other, star_.vertex);
@@ -97,8 +98,9 @@ bool EdgeCollapser::cover_samples() {
   covers_.clear();
   new_errors_.clear();
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    const auto cover = find_cover(s);
+    auto cover = find_cover(s);
     if (!cover) return false;
+    if (state_.boundary_tolerance > 0 && cover->least < 0) clamp_weights(cover->weights);
     covers_.push_back(*cover);
     for (std::size_t f = 0; f < state_.n_fields; ++f) {
       new_errors_.push_back(error_of(*cover, covered_.samples[s], f));
@@ -164,7 +166,6 @@ void EdgeCollapser::make_vertex(std::uint32_t other) {
       state_.quadrics_of(slot)[f].add(state_.quadrics_of(global(other))[f]);
   state_.is_reference[slot] = 0;
   state_.is_reference[global(other)] = 0;
-  state_.deviations[slot] = rule_.moved;
 }
 
 }  // namespace lode::tetra_mt::midpoint

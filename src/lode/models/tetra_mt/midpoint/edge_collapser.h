@@ -58,7 +58,7 @@ class EdgeCollapser {
   /// Where the new vertex may lie.
   struct Rule {
     Place position;
-    double moved;  ///< How far the boundary, or an interface, may be off then.
+    double moved;  ///< How far the boundary, or an interface, moves: first by itself, then in all.
   };
   /// The new vertex's value of a field.
   struct NewValue {
@@ -97,6 +97,15 @@ class EdgeCollapser {
   void find_interfaces_of(const Star& star, Interfaces& found) const;
   [[nodiscard]] double height(const Star& star, const Interfaces& interfaces, int kept) const;
   [[nodiscard]] std::optional<Rule> rule_of(int place);
+  [[nodiscard]] std::optional<Rule> flat_rule_of(int place, double limit) const;
+  [[nodiscard]] Rule bent_rule_of(int place, double limit) const;
+  [[nodiscard]] double deviation(const Star& star, const Interfaces& interfaces) const;
+  [[nodiscard]] std::vector<std::uint32_t> ring_of(const Star& star, const Interfaces& interfaces,
+                                                   int kept) const;
+  [[nodiscard]] double deviation_of_end(const Star& star, const Interfaces& interfaces, int kept,
+                                        double limit) const;
+  [[nodiscard]] double deviation_of_middle(int place, double limit) const;
+  void note_deviations(int place);
   [[nodiscard]] bool find_value_places(Place position);
   [[nodiscard]] bool keeps_regions(int place) const;
 

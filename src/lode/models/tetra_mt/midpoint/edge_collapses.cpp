@@ -162,15 +162,18 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
                                      Progress& progress) {
   LODE_CHECK(check_mesh(mesh));
   if (mesh.fields.empty()) return fail("midpoints: expected a field, got none");
-  State state(mesh, options.order);
+  const double tolerance = options.boundary_tolerance;
+  if (!(tolerance >= 0 && std::isfinite(tolerance)))
+    return fail("boundary tolerance: expected a distance of at least 0, got {}", tolerance);
+  State state(mesh, options.order, tolerance);
   LODE_CHECK(state.close(options.threads));
   const double volume = state.volume();
   LODE_CHECK(Rounds(options, state).run(progress));
   EdgeCollapses result;
   result.n_base_cells = state.n_cells;
-  for (std::size_t v = 0; v < state.deviations.size(); ++v)
-    if (state.is_there[v] != 0)
-      result.boundary_deviation = std::max(result.boundary_deviation, state.deviations[v]);
+  for (std::size_t slot = 0; slot < state.deviations.size(); ++slot)
+    if (state.tetrahedra[slot][0] != kNone)
+      result.boundary_deviation = std::max(result.boundary_deviation, state.deviations[slot]);
   result.volume_change = state.volume() - volume;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);

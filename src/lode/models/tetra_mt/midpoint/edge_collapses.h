@@ -13,6 +13,10 @@ namespace lode::tetra_mt::midpoint {
 struct EdgeCollapseOptions {
   std::uint64_t base_cells = 0;  ///< About where to stop.
   CollapseOrder order = CollapseOrder::squared_error;
+  /// How far the boundary, and what lies between regions, may be from the reference's, or that from
+  /// it, in the mesh's unit: what collapses do is added up. 0: all stays in its planes, but for
+  /// rounding. Lines in which sheets meet, and outlines of patches, always stay straight.
+  double boundary_tolerance = 0;
   Threads threads = {};
 };
 

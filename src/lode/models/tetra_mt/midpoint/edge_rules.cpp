@@ -81,20 +81,45 @@ double EdgeCollapser::height(const Star& star, const Interfaces& interfaces, int
   return largest / scale_;
 }
 
-/// In the middle where both ends may go along the edge; else where the one is that may not.
-std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) {
-  Rule rule{Place::middle, 0};
-  const std::uint32_t end = global(star_.link[static_cast<std::size_t>(place)]);
-  rule.moved = std::max(state_.deviations[global(star_.vertex)], state_.deviations[end]);
+/// How far the faces round a vertex may be off already.
+double EdgeCollapser::deviation(const Star& star, const Interfaces& interfaces) const {
+  double largest = 0;
+  if (interfaces.kind == Interfaces::Kind::none) return largest;
+  for (int i = 0; i < star.n_triangles; ++i)
+    largest = std::max(largest, state_.deviations[slots_[star.slots[static_cast<std::size_t>(i)]]]);
+  return largest;
+}
+
+/// In the middle where both ends may go along the edge in their planes; else where the one is that
+/// may not. Sheets are compared even there, as where they bend: both sides of a flap without volume
+/// lie in one plane, too, but its outline would move.
+std::optional<EdgeCollapser::Rule> EdgeCollapser::flat_rule_of(int place, double limit) const {
   const double first = height(star_, interfaces_, place);
   const double second = height(other_, other_interfaces_, place_in_other_);
-  double out = std::max(first, second);
-  if (out == kInfinite) {
-    rule.position = second == kInfinite ? Place::second : Place::first;
-    out = std::min(first, second);
-  }
-  rule.moved += out;
-  if (!(rule.moved <= state_.deviation_limit) || !find_value_places(rule.position)) return {};
+  if (std::min(first, second) == kInfinite) return {};
+  Rule rule{Place::middle, std::max(first, second)};
+  if (rule.moved == kInfinite)
+    rule = {second == kInfinite ? Place::second : Place::first, std::min(first, second)};
+  const bool is_first_alone = rule.position == Place::second;
+  const Interfaces& moving = is_first_alone ? interfaces_ : other_interfaces_;
+  if (moving.kind != Interfaces::Kind::sheet) return rule;
+  rule.moved = rule.position == Place::middle ? deviation_of_middle(place, limit)
+               : is_first_alone
+                   ? deviation_of_end(star_, interfaces_, place, limit)
+                   : deviation_of_end(other_, other_interfaces_, place_in_other_, limit);
+  return rule;
+}
+
+/// Flat where that is possible, as nothing moves then.
+std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) {
+  const double before =
+      std::max(deviation(star_, interfaces_), deviation(other_, other_interfaces_));
+  const double limit = state_.deviation_limit - before;
+  auto rule = flat_rule_of(place, limit);
+  if ((!rule || !(rule->moved <= limit)) && state_.boundary_tolerance > 0)
+    rule = bent_rule_of(place, limit);
+  if (!rule || !(rule->moved <= limit) || !find_value_places(rule->position)) return {};
+  rule->moved += before;
   return rule;
 }
 

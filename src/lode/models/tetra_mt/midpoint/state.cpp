@@ -15,9 +15,10 @@ constexpr double kSizeShare = 1e-6;
 
 }  // namespace
 
-State::State(const TetraMesh& reference, CollapseOrder collapse_order)
+State::State(const TetraMesh& reference, CollapseOrder collapse_order, double tolerance)
     : mesh(reference),
       order(collapse_order),
+      boundary_tolerance(tolerance),
       scales(reference),
       n_fields(reference.fields.size()),
       outside(static_cast<std::uint32_t>(reference.positions.size())),
@@ -25,7 +26,6 @@ State::State(const TetraMesh& reference, CollapseOrder collapse_order)
       next_sample(outside, kNone),
       positions(reference.positions),
       is_reference(outside, 1),
-      deviations(outside, 0),
       errors(n_fields * outside, 0),
       keys(outside, 0),
       is_there(outside, 1),
@@ -56,7 +56,8 @@ State::State(const TetraMesh& reference, CollapseOrder collapse_order)
   centre = 0.5 * (lower + upper);
   if (const double diagonal = length(upper - lower); diagonal > 0) size = diagonal;
   step_limit = kStepRoundings * rounding;
-  deviation_limit = std::max(kRoundings * rounding, kSizeShare * length(upper - lower));
+  deviation_limit =
+      std::max({tolerance, kRoundings * rounding, kSizeShare * length(upper - lower)});
 }
 
 void State::take_fields() {
@@ -78,6 +79,7 @@ void State::take_fields() {
 Result<void> State::close(Threads threads) {
   LODE_CHECK(close_boundary(outside, tetrahedra, threads));
   first_sample.assign(tetrahedra.size(), kNone);
+  deviations.assign(tetrahedra.size(), 0);
   labels = labels_of(mesh, tetrahedra);
   return {};
 }

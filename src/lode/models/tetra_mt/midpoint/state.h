@@ -30,7 +30,8 @@ struct EdgeFacts {
 
 /// What becomes of a mesh as its edges collapse. Vertices are slots, at first those of the mesh.
 struct State {
-  State(const TetraMesh& reference, CollapseOrder collapse_order);
+  /// `tolerance`: how far the boundary may move, and what lies between regions.
+  State(const TetraMesh& reference, CollapseOrder collapse_order, double tolerance);
   /// Fails when a face has more than two tetrahedra.
   [[nodiscard]] Result<void> close(Threads threads);
   /// That the closed mesh encloses now.
@@ -38,6 +39,7 @@ struct State {
 
   const TetraMesh& mesh;
   CollapseOrder order;
+  double boundary_tolerance;
   Scales scales;
   std::size_t n_fields;
   std::vector<Scale> field_scales;      ///< By field.
@@ -45,6 +47,9 @@ struct State {
   std::vector<Tetrahedron> tetrahedra;  ///< By slot; those that went have no first corner.
   /// labels_of() by slot. A collapse keeps them.
   std::vector<std::uint32_t> labels;
+  /// By slot: how far any face of it between regions or on the boundary is from the reference's,
+  /// or they from it, at most, where the tetrahedron across says no more.
+  std::vector<double> deviations;
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
   std::vector<std::uint32_t> next_sample;   ///< By vertex of the mesh that is no more in it.
 
@@ -54,9 +59,8 @@ struct State {
   std::vector<Vec3d> positions;            ///< The mesh's own, or what codes say.
   std::vector<double> values;              ///< Likewise.
   std::vector<std::uint8_t> is_reference;  ///< It is still the mesh's.
-  std::vector<double> deviations;  ///< How far its faces on the boundary may be off, as summed up.
-  std::vector<float> errors;       ///< F - F', as shares of the range, where it is a sample.
-  std::vector<float> keys;         ///< The square that the best of its own edges adds; or infinite.
+  std::vector<float> errors;  ///< F - F', as shares of the range, where it is a sample.
+  std::vector<float> keys;    ///< The square that the best of its own edges adds; or infinite.
   std::vector<std::uint8_t> is_there;
   std::vector<std::uint8_t> is_locked;  ///< Its link is no sphere.
 

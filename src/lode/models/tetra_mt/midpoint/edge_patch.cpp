@@ -1,0 +1,141 @@
+#include "lode/models/tetra_mt/midpoint/edge_patch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+/// A point seen along a direction.
+struct Seen {
+  double x;
+  double y;
+  double height;
+};
+using SeenTriangle = std::array<Seen, 3>;
+using SeenEdge = std::array<Seen, 2>;
+
+double turn(const Seen& at, const Seen& a, const Seen& b) {
+  return (a.x - at.x) * (b.y - at.y) - (a.y - at.y) * (b.x - at.x);
+}
+
+/// Sees points along the mean normal of triangles.
+class View {
+ public:
+  explicit View(const Vec3d& normals) {
+    const double size = length(normals);
+    if (!(size > 0)) return;
+    normal_ = normals * (1 / size);
+    const bool is_along_x = std::abs(normal_[0]) > 0.7;
+    const Vec3d axis{{is_along_x ? 0.0 : 1.0, is_along_x ? 1.0 : 0.0, 0.0}};
+    right_ = cross(axis, normal_);
+    right_ = right_ * (1 / length(right_));
+    up_ = cross(normal_, right_);
+    is_known_ = true;
+  }
+  [[nodiscard]] bool is_known() const { return is_known_; }
+  [[nodiscard]] Seen operator()(const Vec3d& p) const {
+    return {dot(right_, p), dot(up_, p), dot(normal_, p)};
+  }
+
+ private:
+  Vec3d normal_;
+  Vec3d right_;
+  Vec3d up_;
+  bool is_known_ = false;
+};
+
+/// From the triangle that a point is in, of those that cover it.
+double height_over(const Seen& p, std::span<const SeenTriangle> triangles) {
+  double height = kUnknown;
+  double most_inside = -kUnknown;
+  for (const auto& [a, b, c] : triangles) {
+    const double whole = turn(a, b, c);
+    const std::array<double, 3> weights{turn(p, b, c) / whole, turn(p, c, a) / whole,
+                                        turn(p, a, b) / whole};
+    const double inside = std::ranges::min(weights);
+    if (!(inside > most_inside)) continue;
+    most_inside = inside;
+    height = std::abs(p.height -
+                      (weights[0] * a.height + weights[1] * b.height + weights[2] * c.height));
+  }
+  return height;
+}
+
+/// 0 where edges do not cross.
+double height_at_crossing(const SeenEdge& one, const SeenEdge& other) {
+  const auto& [a, b] = one;
+  const auto& [c, d] = other;
+  const double turns = (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
+  const double s = ((c.x - a.x) * (d.y - c.y) - (c.y - a.y) * (d.x - c.x)) / turns;
+  const double t = ((c.x - a.x) * (b.y - a.y) - (c.y - a.y) * (b.x - a.x)) / turns;
+  if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1)) return 0;
+  return std::abs(a.height + s * (b.height - a.height) - c.height - t * (d.height - c.height));
+}
+
+/// Whether triangles round the first of their corners turn left, once in all.
+bool is_fan(std::span<const SeenTriangle> fan) {
+  const Seen& at = fan[0][0];
+  const Seen& begin = fan[0][1];
+  for (std::size_t i = 0; i < fan.size(); ++i) {
+    if (!(turn(at, fan[i][1], fan[i][2]) > 0)) return false;
+    const bool is_last = i + 1 == fan.size();
+    if (!is_last && turn(at, begin, fan[i][1]) < 0 && turn(at, begin, fan[i][2]) >= 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+double edge_patch_deviation(const EdgePatch& patch, double limit) {
+  std::vector<std::array<Vec3d, 3>> triangles{{patch.first, patch.second, patch.first_ring.front()},
+                                              {patch.first, patch.first_ring.back(), patch.second}};
+  for (std::size_t i = 0; i + 1 < patch.first_ring.size(); ++i)
+    triangles.push_back({patch.first, patch.first_ring[i], patch.first_ring[i + 1]});
+  for (std::size_t i = 0; i + 1 < patch.second_ring.size(); ++i)
+    triangles.push_back({patch.second, patch.second_ring[i], patch.second_ring[i + 1]});
+  Vec3d normals;
+  for (const auto& [a, b, c] : triangles) normals = normals + cross(b - a, c - a);
+  const View view(normals);
+  if (!view.is_known()) return kUnknown;
+  std::vector<SeenTriangle> before;
+  for (const auto& [a, b, c] : triangles) {
+    before.push_back({view(a), view(b), view(c)});
+    if (!(turn(before.back()[0], before.back()[1], before.back()[2]) > 0)) return kUnknown;
+  }
+  const Seen first = view(patch.first);
+  const Seen second = view(patch.second);
+  const Seen middle = view(patch.middle);
+  std::vector<SeenEdge> old_edges{{first, second}};
+  std::vector<Seen> outline;
+  for (const Vec3d& p : patch.first_ring) {
+    outline.push_back(view(p));
+    old_edges.push_back({first, outline.back()});
+  }
+  for (std::size_t i = 0; i < patch.second_ring.size(); ++i) {
+    const Seen at = view(patch.second_ring[i]);
+    old_edges.push_back({second, at});
+    // Its ends are the first one's.
+    if (i > 0 && i + 1 < patch.second_ring.size()) outline.push_back(at);
+  }
+  std::vector<SeenTriangle> after;
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    after.push_back({middle, outline[i], outline[(i + 1) % outline.size()]});
+  if (!is_fan(after)) return kUnknown;
+  double largest = std::max(
+      {height_over(first, after), height_over(second, after), height_over(middle, before)});
+  for (const SeenEdge& edge : old_edges)
+    for (const Seen& end : outline) {
+      if (!(largest <= limit)) return kUnknown;
+      largest = std::max(largest, height_at_crossing(edge, {middle, end}));
+    }
+  return largest <= limit ? largest : kUnknown;
+}
+
+}  // namespace lode::tetra_mt::midpoint
