@@ -15,6 +15,7 @@
 #include "lode/locate/tin_locator.h"
 #include "lode/mappers/point_errors.h"
 #include "lode/models/terrain/delaunay_selector/selector.h"
+#include "lode/models/terrain/triangle_hierarchy/crowded.h"
 
 namespace lode {
 
@@ -99,13 +100,9 @@ void check_on_surface(const Hierarchy& hierarchy, const PointSurface& all, Verif
 
 /// What meshes of tolerances that vary count on.
 void check_crowded(const Hierarchy& hierarchy, const PointSurface& all, VerifyReport& report) {
-  std::uint64_t n_lost = 0;
-  for (const auto& refinement : hierarchy.refinements) {
-    if (std::ranges::binary_search(hierarchy.crowded, refinement.triangle)) continue;
-    const auto& [a, b, c] = hierarchy.triangles[refinement.triangle].corner;
-    n_lost += static_cast<std::uint64_t>(all.has_samples_beside(
-        {hierarchy.vertices[a], hierarchy.vertices[b], hierarchy.vertices[c]}, hierarchy.reach));
-  }
+  const std::vector<std::uint32_t> crowded = find_crowded(hierarchy, all);
+  const auto n_lost = static_cast<std::uint64_t>(std::ranges::count_if(
+      crowded, [&](std::uint32_t t) { return !std::ranges::binary_search(hierarchy.crowded, t); }));
   report.add("triangles with points close beside them are known", hierarchy.refinements.size(),
              n_lost, n_lost > 0 ? fmt::format("{} are not", n_lost) : "");
 }

@@ -54,9 +54,9 @@ struct Hierarchy {
   /// of points along edges of the triangulation of all: in every level's mesh each is an edge, or a
   /// chain of edges on it.
   std::vector<std::array<std::uint32_t, 2>> lines;
-  /// Of points: those refined triangles that have some beside them, out of them but within `reach`
-  /// of them, so that what refines them may have come to lie over these; ascending. Of rasters
-  /// none, as it is known where samples are.
+  /// Of points: those refined triangles that have some close beside them, so that what refines them
+  /// may have come to lie over these: find_crowded(). Of rasters none, as it is known where samples
+  /// are.
   std::vector<std::uint32_t> crowded;
   /// How many of each there are up to a level, that with it.
   std::vector<std::uint32_t> vertices_until;

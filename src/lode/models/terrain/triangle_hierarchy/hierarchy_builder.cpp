@@ -7,6 +7,7 @@
 
 #include "lode/delaunay/tin_links.h"
 #include "lode/delaunay/triangle_error.h"
+#include "lode/models/terrain/triangle_hierarchy/crowded.h"
 
 namespace lode::triangle_hierarchy {
 
@@ -87,17 +88,6 @@ void HierarchyBuilder::link(std::uint32_t first) {
   }
 }
 
-/// Those that no refinement replaces never stand between levels.
-void HierarchyBuilder::find_crowded() {
-  for (std::uint32_t t = 0; t < made_.triangles.size(); ++t) {
-    if (made_.triangles[t].refinement == kNone) continue;
-    const auto& [a, b, c] = made_.triangles[t].corner;
-    if (surface_.has_samples_beside({made_.vertices[a], made_.vertices[b], made_.vertices[c]},
-                                    made_.reach))
-      made_.crowded.push_back(t);
-  }
-}
-
 Hierarchy HierarchyBuilder::finish() {
   made_.in_rows.resize(made_.vertices.size());
   std::iota(made_.in_rows.begin(), made_.in_rows.end(), 0U);
@@ -106,7 +96,7 @@ Hierarchy HierarchyBuilder::finish() {
   });
   // Half a node each, and one for good measure.
   for (const std::int32_t n : n_moves_) made_.reach = std::max(made_.reach, n / 2 + 1);
-  if (made_.is_of_points) find_crowded();
+  if (made_.is_of_points) made_.crowded = find_crowded(made_, surface_);
   return std::move(made_);
 }
 

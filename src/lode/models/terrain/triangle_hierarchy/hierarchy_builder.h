@@ -53,7 +53,6 @@ class HierarchyBuilder {
  private:
   void refine_mesh(std::uint32_t first);
   void link(std::uint32_t first);
-  void find_crowded();
 
   const ReferenceSurface& surface_;
   Hierarchy made_;
