@@ -331,7 +331,8 @@ Result<void> run_jobs(const std::vector<Job>& jobs, const ExtractOptions& option
   const std::vector<std::string> paths = paths_of(jobs);
   bool is_together = false;
   if (jobs.size() > 1) {
-    LODE_TRY(is_together, are_extracted_together(input.dataset, options, paths.front()));
+    LODE_TRY(is_together,
+             are_extracted_together(input.dataset, options, paths.front(), session.progress()));
   }
   if (is_together) {
     const auto note = [&](const ExtractReport& report, double isovalue) {

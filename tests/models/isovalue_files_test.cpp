@@ -102,7 +102,7 @@ void expect_one_cut(ExtractOptions options) {
       if (is_limited && extension == std::string_view(".obj")) continue;  // comes whole
       SCOPED_TRACE(extension);
       const auto paths = paths_of_isovalues(lode, extension);
-      const auto together = are_extracted_together(*dataset, options, paths.front());
+      const auto together = are_extracted_together(*dataset, options, paths.front(), progress);
       ASSERT_TRUE(together && *together);
       const auto report = extract_to_files(*dataset, options, paths, no_note, progress);
       ASSERT_TRUE(report) << report.error().message;
@@ -133,16 +133,16 @@ TEST(isovalue_files, are_each_extracted_alone_from_memory_where_that_is_the_same
   const ExtractOptions options{.isovalues = kNearIsovalues, .max_error = 20, .threads = {2}};
   const auto dataset = Dataset::open(lode, {2});
   ASSERT_TRUE(dataset);
-  const auto of_file = are_extracted_together(*dataset, options, "a.stl");
+  Progress progress;
+  const auto of_file = are_extracted_together(*dataset, options, "a.stl", progress);
   ASSERT_TRUE(of_file);
   EXPECT_TRUE(*of_file) << "read once, written piece by piece";
-  EXPECT_FALSE(are_extracted_together(*dataset, options, "a.obj").value());
-  Progress progress;
+  EXPECT_FALSE(are_extracted_together(*dataset, options, "a.obj", progress).value());
   ASSERT_TRUE(dataset->load(progress));
-  EXPECT_FALSE(are_extracted_together(*dataset, options, "a.stl").value());
+  EXPECT_FALSE(are_extracted_together(*dataset, options, "a.stl", progress).value());
   ExtractOptions in_band = options;
   in_band.simplify = Simplify::edges;
-  EXPECT_FALSE(are_extracted_together(*dataset, in_band, "a.stl").value());
+  EXPECT_FALSE(are_extracted_together(*dataset, in_band, "a.stl", progress).value());
 }
 
 TEST(isovalue_files, are_read_once_from_a_file_and_hold_what_each_alone_has) {

@@ -136,12 +136,12 @@ Result<ExtractReport> write_parts(const Dataset& dataset, const ExtractOptions& 
 }  // namespace
 
 Result<bool> are_extracted_together(const Dataset& dataset, const ExtractOptions& options,
-                                    const std::string& path) {
+                                    const std::string& path, Progress& progress) {
   if (options.isovalues.size() < 2 || !dataset.takes_several_isovalues(options)) return false;
   if (options.max_distance || options.keep_topology || options.simplify != Simplify::off)
     return true;
   if (!io::can_stream(path) || equal_as_floats(options.isovalues)) return false;
-  return dataset.comes_in_pieces(options);
+  return dataset.comes_in_pieces(options, progress);
 }
 
 Result<ExtractReport> extract_to_files(const Dataset& dataset, const ExtractOptions& options,
@@ -152,7 +152,7 @@ Result<ExtractReport> extract_to_files(const Dataset& dataset, const ExtractOpti
   if (const auto same = equal_as_floats(options.isovalues))
     return fail("{}: expected isovalues that differ as float32, got {} and {}", paths.front(),
                 same->first, same->second);
-  LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options));
+  LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options, progress));
   LODE_TRY(ExtractReport report, comes_in_pieces && io::can_stream(paths.front())
                                      ? stream_to_files(dataset, options, paths, note, progress)
                                      : write_parts(dataset, options, paths, note, progress));

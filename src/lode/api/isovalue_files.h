@@ -18,7 +18,7 @@ namespace lode {
 /// simplified within a max_error, which takes one isovalue: those may meet where the bands do.
 [[nodiscard]] Result<bool> are_extracted_together(const Dataset& dataset,
                                                   const ExtractOptions& options,
-                                                  const std::string& path);
+                                                  const std::string& path, Progress& progress);
 
 /// Extracts all isovalues at once, each into a file of its own, written whole or not at all: the
 /// parts of the surface that extract() gives. `paths`: one for each isovalue, in their order, of
