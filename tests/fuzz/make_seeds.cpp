@@ -302,6 +302,7 @@ void keep_tetra_files() {
     if (placement == Placement::midpoint) {
       MeshField& waves = mesh.fields.emplace_back(mesh.fields[0]);
       waves.name = "waves";
+      waves.type = ScalarType::float64;
       for (double& value : waves.values) value = std::sin(9 * value) / 3;
     }
     const io::test::TempDir dir;

@@ -19,6 +19,7 @@ namespace lode {
 namespace {
 
 using tetra_mt::midpoint::Forest;
+using tetra_mt::midpoint::ForestField;
 using tetra_mt::midpoint::NodeCodes;
 using MidpointHierarchy = tetra_mt::midpoint::Hierarchy;
 
@@ -118,7 +119,7 @@ TEST_F(midpoint_verification, looks_at_all_fields) {
         ++n;
         is_wrong = is_wrong || !check.passed;
       }
-      EXPECT_EQ(n, 7U) << field.name;
+      EXPECT_EQ(n, 8U) << field.name;
       if (is_wrong) names.push_back(field.name);
     }
     return names;
@@ -189,21 +190,23 @@ TEST_F(midpoint_verification, takes_no_size_from_what_a_file_says_of_its_box) {
 
 TEST_F(midpoint_verification, finds_a_range_that_is_wider_than_the_values) {
   const std::vector<std::string> expected{"the range that is stated is that of the values"};
-  const auto with_codes = [](MidpointHierarchy& h, NodeCodes::Knots knots) {
-    h.codes = NodeCodes(knots, h.codes.largest_error(), h.codes.largest_radius());
+  const auto with_knots = [](NodeCodes::Knots knots, ForestField& field) {
+    field.codes = NodeCodes(knots, field.codes.largest_error());
   };
   EXPECT_EQ(failures([&](MidpointHierarchy& h) {
+              ForestField& field = h.fields.front();
               NodeCodes::Knots knots{};
-              std::ranges::copy(h.codes.knots(), knots.begin());
-              h.high = knots.back() = std::nextafter(h.high, 10.0);
-              with_codes(h, knots);
+              std::ranges::copy(field.codes.knots(), knots.begin());
+              field.high = knots.back() = std::nextafter(field.high, 10.0);
+              with_knots(knots, field);
             }),
             expected);
   EXPECT_EQ(failures([&](MidpointHierarchy& h) {
+              ForestField& field = h.fields.front();
               NodeCodes::Knots knots{};
-              std::ranges::copy(h.codes.knots(), knots.begin());
-              h.low = knots.front() = h.low - 1;
-              with_codes(h, knots);
+              std::ranges::copy(field.codes.knots(), knots.begin());
+              field.low = knots.front() = field.low - 1;
+              with_knots(knots, field);
             }),
             expected);
 }

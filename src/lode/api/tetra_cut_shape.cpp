@@ -130,6 +130,7 @@ TetraVertices::TetraVertices(const tetra_mt::midpoint::Forest& forest)
 
 /// What a file says of its box has no say in what is allowed.
 void TetraVertices::find_extent(std::size_t n, const Box3d& stated) {
+  n_of_mesh = n;
   if (n == 0) return;
   Box3d box{positions[0], positions[0]};
   Vec3d most;

@@ -22,6 +22,7 @@ struct TetraVertices {
   std::vector<Vec3d> positions;
   std::vector<double> values;          ///< Of one field.
   std::vector<std::uint32_t> samples;  ///< Those of cells of the reference mesh.
+  std::size_t n_of_mesh = 0;           ///< The first ones; others are where some of them went.
   bool has_narrow_positions = false;
   double size = 0;             ///< Of the box round all of the mesh, along its diagonal.
   double farthest = 0;         ///< From the origin.
