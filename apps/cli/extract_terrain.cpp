@@ -192,12 +192,12 @@ Result<bool> has_shares(const TerrainJob& job, const TerrainOptions& options) {
   const std::string& outside = job.query.max_error_outside;
   const bool is_mixed =
       !job.max_error.empty() && !outside.empty() && is_share(job.max_error) != is_share(outside);
-  const bool has_zero =
-      options.max_error == 0.0 || (options.focus && options.focus->max_error_outside == 0.0);
-  if (is_mixed && !has_zero)
-    return fail("--max-error-outside: expected % of the range as in --max-error, or none, got '{}'",
-                outside);
-  return is_share(job.max_error) || is_share(outside);
+  if (!is_mixed) return is_share(job.max_error) || is_share(outside);
+  // Of 0 it does not matter.
+  if (options.max_error == 0.0) return is_share(outside);
+  if (options.focus && options.focus->max_error_outside == 0.0) return is_share(job.max_error);
+  return fail("--max-error-outside: expected % of the range as in --max-error, or none, got '{}'",
+              outside);
 }
 
 Result<Wanted> to_wanted(const TerrainJob& job) {

@@ -40,9 +40,11 @@ void add_raster_options(CLI::App& app, RasterArguments& arguments) {
                  "Also write what is written less the raster that it is of, at every sample")
       ->type_name("DIFF.tif")
       ->group(group);
-  app.add_option("--against", arguments.against,
-                 "With --difference, of a .lode file of a model that has not all heights itself: "
-                 "the raster that it was built of")
+  app.add_option(
+         "--against", arguments.against,
+         "With --difference, of a .lode file of a model that has not all heights itself: "
+         "the raster that it was built of, read as it is, without --band, --encoding, --wrap or "
+         "another CRS of heights")
       ->type_name("DEM")
       ->group(group);
 }

@@ -282,14 +282,21 @@ Result<QueryArguments> without_share(const QueryArguments& arguments) {
 
 namespace {
 
+/// What is at other times or places says so itself.
+std::string why_skipped(const std::string& skipped, const std::string& field) {
+  const std::string_view more = std::string_view(skipped).substr(field.size());
+  if (more.starts_with(" (at other times ") || more.starts_with(" at ")) return {};
+  return ", as it has no number at each point or cell";
+}
+
 /// What else there is to say where a field is not found.
 std::string why_missing(const CellMesh& cells, const std::string& field) {
   for (const std::string& skipped : cells.skipped_arrays)
     if (!field.empty() && (skipped == field || skipped.starts_with(field + " ")))
-      return fmt::format("; {} is left out, as it has no number at each point or cell", skipped);
+      return fmt::format("; {} is left out{}", skipped, why_skipped(skipped, field));
   if (is_medit_path(cells.path) && cells.point_fields.empty())
     return "; MEDIT's meshes hold no fields but references, and no .sol or .solb of the same name "
-           "lies beside it: --solution names another";
+           "lies beside it that has values at vertices: --solution names another";
   return {};
 }
 
@@ -392,7 +399,7 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
     table.add({"not taken for regions", field});
   json["skipped_arrays"] = report.skipped_arrays;
   if (!report.skipped_arrays.empty())
-    table.add({"arrays left out (texts, bits, values by element corner)",
+    table.add({"arrays left out (texts, bits, or as told)",
                fmt::format("{}", fmt::join(report.skipped_arrays, ", "))});
   add_averaged(report, table, json);
 }

@@ -142,6 +142,22 @@ TEST_F(terrain_share, of_lists_and_foci_is_the_same) {
   Words mixed = box;
   mixed.insert(mixed.end(), {"--max-error-outside", "5"});
   expect_refusal(run_lode(mixed), 2, {"--max-error-outside", "%"});
+  // Of 0 it does not matter whether it is a share: what the other one is counts.
+  Words built_for{"extract",
+                  dem_,
+                  file("o.obj"),
+                  "--model",
+                  "hierarchical_delaunay",
+                  "--box",
+                  "500300,500400,4000300,4000400",
+                  "--max-error",
+                  "10",
+                  "--max-error-outside"};
+  for (const char* nothing : {"0", "0%"}) {
+    Words words = built_for;
+    words.emplace_back(nothing);
+    EXPECT_DOUBLE_EQ(max_error_of(words), 10) << nothing;
+  }
   const Finished compared = run_lode(
       {"compare", dem_, file("c.html"), "--tolerances", "10%,5%", "--runs", "1", "--json"});
   ASSERT_EQ(compared.exit_code, 0) << compared.err;

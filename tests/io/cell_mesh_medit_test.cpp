@@ -217,6 +217,25 @@ TEST(medit_solution, of_a_symmetric_tensor_has_its_norm) {
   EXPECT_NEAR(outcome.mesh.fields[0].values[0], std::sqrt(1 + 9 + 36 + 2 * (4 + 16 + 25.)), 1e-12);
 }
 
+TEST(medit_solution, without_values_at_vertices_is_refused_only_where_it_is_named) {
+  const std::string head = "MeshVersionFormatted 2\nDimension 3\n";
+  for (const std::string cells : {"", "SolAtTetrahedra\n2\n1 1\n5\n6\n"}) {
+    const TempDir directory;
+    const std::string path = directory.write("a.mesh", mesh_text());
+    const std::string solution = directory.write("a.sol", head + cells + "End\n");
+    const CellMesh mesh = test::read_mesh(path);
+    EXPECT_EQ(mesh.points, kCorners);
+    EXPECT_TRUE(mesh.point_fields.empty());
+    EXPECT_EQ(mesh.skipped_arrays,
+              cells.empty() ? std::vector<std::string>{}
+                            : std::vector<std::string>{"solution at tetrahedra (a.sol)"});
+    const auto named = read_cell_mesh(path, {.solution = solution});
+    ASSERT_FALSE(named);
+    for (const char* const part : {"a.sol: expected SolAtVertices", "5 vertices", "got none"})
+      EXPECT_NE(named.error().message.find(part), std::string::npos) << named.error().message;
+  }
+}
+
 TEST(medit_solution, that_is_wrong_is_refused_by_file_and_line) {
   const TempDir directory;
   const std::string path = directory.write("a.mesh", mesh_text());
@@ -244,7 +263,6 @@ TEST(medit_solution, that_is_wrong_is_refused_by_file_and_line) {
           {"a.sol: line 10", "a value", "'End'"});
   refused(head + "SolAtVertices\n5\n1 1\n1 2 3 4 5\nSolAtVertices\n5\n1 1\n1 2 3 4 5\n",
           {"a.sol: line 7", "SolAtVertices once"});
-  refused(head + "End\n", {"a.sol: expected SolAtVertices", "5 vertices", "got none"});
   refused("MeshVersionFormatted 2\nDimension\n2\n", {"a.sol: line 3", "3 dimensions, got 2"});
   refused("", {"a.sol", "empty"});
   refused("solid", {"a.sol: expected MeshVersionFormatted", "'solid'"});

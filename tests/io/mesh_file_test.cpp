@@ -12,6 +12,7 @@
 #include <set>
 #include <tuple>
 
+#include "lode/io/mesh_blocks.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/netcdf_output.h"
 #include "lode/io/tetrahedra.h"
@@ -294,6 +295,29 @@ TEST_P(mesh_formats, hold_names_of_regions) {
   std::set<std::string> expected;
   for (const auto& [id, name] : names) expected.insert(name);
   EXPECT_EQ(all, expected);
+}
+
+/// By number, of regions of these names.
+std::vector<std::string> block_names(const std::vector<std::string>& names) {
+  std::vector<std::int64_t> ids;
+  for (std::size_t i = 0; i < names.size(); ++i) ids.push_back(static_cast<std::int64_t>(i) + 3);
+  SimplexMesh mesh = strip(ids);
+  for (std::size_t i = 0; i < names.size(); ++i) mesh.region_names.push_back({ids[i], names[i]});
+  std::vector<std::string> made;
+  const MeshBlocks blocks(mesh);
+  for (const MeshBlock& block : blocks.blocks()) made.push_back(block.name);
+  return made;
+}
+
+TEST(mesh_blocks, have_names_of_their_own_though_those_with_numbers_are_taken) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(block_names({"a", "a (5)", "a"}), (Names{"a", "a (5)", "a (5) (5)"}));
+  EXPECT_EQ(block_names({"a", "a", "a (4)"}), (Names{"a", "a (4)", "a (4) (5)"}));
+  EXPECT_EQ(block_names({"a", "a (6)", "a (6) (6)", "a"}),
+            (Names{"a", "a (6)", "a (6) (6)", "a (6) (6) (6)"}));
+  // Cut to the same.
+  const std::string cut(200, 'x');
+  EXPECT_EQ(block_names({cut + "y", cut + "z"}), (Names{cut, cut + " (4)"}));
 }
 
 TEST_P(mesh_formats, have_names_of_regions_that_lode_reads_but_for_exodus) {

@@ -119,6 +119,9 @@ TEST(stored_distance, is_looked_for_in_windows_where_only_the_model_fits) {
   const DistanceReport in_memory = extract(*dataset, enough);
   EXPECT_EQ(in_memory.memory_limit, 0U) << "all in memory";
   EXPECT_FALSE(dataset->impl().is_in_file());
+  const DistanceReport again = extract(*dataset, enough - 2);
+  EXPECT_EQ(again.memory_limit, enough - 2) << "whatever was asked before";
+  EXPECT_EQ(again.rounds, too_tight.rounds);
 }
 
 TEST(stored_distance, is_kept_between_holes) {

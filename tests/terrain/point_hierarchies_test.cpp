@@ -114,47 +114,6 @@ void expect_points_within(const Tin& tin, std::int32_t scale, const PointTerrain
   }
 }
 
-/// Triangles that turn left, each edge once each way; what is left goes along the domain's outline,
-/// and areas add up to that of the domain.
-void expect_fills_domain(const Tin& tin, std::int32_t scale, const PointTerrain& terrain) {
-  const auto fine = [&](std::uint32_t point) {
-    const LatticePoint p = terrain.points.nodes[point];
-    return LatticePoint{p.x * scale, p.y * scale};
-  };
-  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-  delaunay::test::Int128 area = 0;
-  for (const Corners& t : tin.triangles) {
-    const std::int64_t own =
-        delaunay::doubled_area(tin.vertices[t[0]], tin.vertices[t[1]], tin.vertices[t[2]]);
-    EXPECT_GT(own, 0);
-    area += own;
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_TRUE(edges.insert({t[i], t[(i + 1) % 3]}).second) << "an edge is used twice";
-  }
-  for (const Corners& t : terrain.domain.triangles)
-    area -= delaunay::doubled_area(fine(t[0]), fine(t[1]), fine(t[2]));
-  EXPECT_TRUE(area == 0);
-  for (const auto& [from, to] : edges) {
-    if (edges.contains({to, from})) continue;
-    const LatticePoint p = tin.vertices[from];
-    const LatticePoint q = tin.vertices[to];
-    EXPECT_TRUE(std::ranges::any_of(terrain.domain.outline,
-                                    [&](const auto& edge) {
-                                      const LatticePoint a = fine(edge[0]);
-                                      const LatticePoint b = fine(edge[1]);
-                                      const auto is_between = [&](LatticePoint u) {
-                                        return delaunay::doubled_area(a, b, u) == 0 &&
-                                               std::min(a.x, b.x) <= u.x &&
-                                               u.x <= std::max(a.x, b.x) &&
-                                               std::min(a.y, b.y) <= u.y &&
-                                               u.y <= std::max(a.y, b.y);
-                                      };
-                                      return is_between(p) && is_between(q);
-                                    }))
-        << p.x << ", " << p.y << " to " << q.x << ", " << q.y;
-  }
-}
-
 /// By trying all triangles.
 void expect_on_surface(const PointHierarchy& made, const PointTerrain& terrain) {
   const Hierarchy& h = made.hierarchy;

@@ -89,7 +89,10 @@ TEST_P(point_hierarchy_files, hold_against_their_points_and_come_back) {
 }
 
 /// Of points that lie in a TIN's triangles on a lattice `scale` times as fine: by trying all.
-void expect_stated(const Tin& tin, std::int32_t scale, const PointTerrain& terrain, double most) {
+/// `most(i)`: by how much the i-th may err.
+template <typename Most>
+void expect_stated(const Tin& tin, std::int32_t scale, const PointTerrain& terrain,
+                   const Most& most) {
   const HeightRange range = height_range(terrain.points);
   const double rounding = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
   for (std::size_t i = 0; i < terrain.points.nodes.size(); ++i) {
@@ -112,7 +115,7 @@ void expect_stated(const Tin& tin, std::int32_t scale, const PointTerrain& terra
       ++n_holding;
       const auto error = static_cast<double>(
           std::abs(sum / static_cast<long double>(area) - terrain.points.heights[i]));
-      EXPECT_LE(error, most + rounding);
+      EXPECT_LE(error, most(i) + rounding);
       EXPECT_LE(error, static_cast<double>(tin.errors[t]) + rounding);
     }
     EXPECT_EQ(n_holding > 0, terrain.domain.triangle_of[i] != delaunay::kNoHalfEdge);
@@ -123,7 +126,7 @@ void expect_stated(const Tin& tin, std::int32_t scale, const PointTerrain& terra
 TEST_P(point_hierarchy_files, vary_and_keep_what_they_say) {
   for (const PointCase& c : point_cases()) {
     SCOPED_TRACE(c.name);
-    const BuiltTerrain made = build(c.terrain, {60, 20, 5, 1.5});
+    const BuiltTerrain made = build(c.terrain, {60, 30, 10, 3, 1.5});
     const BuiltTerrain opened = reopened(made);
     const HeightFrame& frame = c.terrain.points;
     const Vec<double, 2> low = frame.world(0.3 * frame.n_columns, 0.3 * frame.n_rows);
@@ -140,7 +143,15 @@ TEST_P(point_hierarchy_files, vary_and_keep_what_they_say) {
         ASSERT_TRUE(selected) << selected.error().message;
         const Tin& tin = selected->tin;
         const std::int32_t scale = (built->terrain().frame().n_columns - 1) / (frame.n_columns - 1);
-        expect_stated(tin, scale, c.terrain, outside);
+        expect_fills_domain(tin, scale, c.terrain);
+        expect_stated(tin, scale, c.terrain, [&](std::size_t i) {
+          const LatticePoint p = c.terrain.points.nodes[i];
+          const Vec<double, 2> at = frame.world(p.x, p.y);
+          const bool is_inside = low[0] <= at[0] && at[0] <= high[0] &&
+                                 std::min(low[1], high[1]) <= at[1] &&
+                                 at[1] <= std::max(low[1], high[1]);
+          return is_inside ? 1.5 : outside;
+        });
         EXPECT_GE(tin.triangles.size(), measured);
         measured = tin.triangles.size();
       }
@@ -176,6 +187,10 @@ TEST_P(point_hierarchy_files, are_found_out_where_they_lie) {
   expect_found("within 3: samples are within the error", [](auto& h) {
     h.tolerances = {3, 2, 1.5};
     for (auto& triangle : h.triangles) triangle.error = 0;
+  });
+  expect_found("points beside them to be refined", [](auto& h) {
+    const auto last = static_cast<std::uint32_t>(h.triangles.size() - 1);
+    h.crowded = {last};
   });
   const PointTerrain whole = scattered(400, 2000, 9);
   EXPECT_NE(found_of(whole, [](auto&) {}), "");

@@ -2,15 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lode/api/point_terrain.h"
 #include "lode/api/terrain_lines.h"
+#include "lode/delaunay/tin.h"
 #include "tests/delaunay/point_fixtures.h"
 #include "tests/terrain/height_grids.h"
 
@@ -46,6 +49,67 @@ inline TerrainLineOptions some_lines(double size) {
   return lines;
 }
 
+/// Triangles that turn left, each edge once each way; what is left goes along the domain's outline,
+/// and areas add up to that of the domain.
+inline void expect_fills_domain(const delaunay::Tin& tin, std::int32_t scale,
+                                const PointTerrain& terrain) {
+  const auto fine = [&](std::uint32_t point) {
+    const LatticePoint p = terrain.points.nodes[point];
+    return LatticePoint{p.x * scale, p.y * scale};
+  };
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  delaunay::test::Int128 area = 0;
+  for (const auto& t : tin.triangles) {
+    const std::int64_t own =
+        delaunay::doubled_area(tin.vertices[t[0]], tin.vertices[t[1]], tin.vertices[t[2]]);
+    EXPECT_GT(own, 0);
+    area += own;
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_TRUE(edges.insert({t[i], t[(i + 1) % 3]}).second) << "an edge is used twice";
+  }
+  for (const auto& t : terrain.domain.triangles)
+    area -= delaunay::doubled_area(fine(t[0]), fine(t[1]), fine(t[2]));
+  EXPECT_TRUE(area == 0);
+  for (const auto& [from, to] : edges) {
+    if (edges.contains({to, from})) continue;
+    const LatticePoint p = tin.vertices[from];
+    const LatticePoint q = tin.vertices[to];
+    EXPECT_TRUE(std::ranges::any_of(terrain.domain.outline,
+                                    [&](const auto& edge) {
+                                      const LatticePoint a = fine(edge[0]);
+                                      const LatticePoint b = fine(edge[1]);
+                                      const auto is_between = [&](LatticePoint u) {
+                                        return delaunay::doubled_area(a, b, u) == 0 &&
+                                               std::min(a.x, b.x) <= u.x &&
+                                               u.x <= std::max(a.x, b.x) &&
+                                               std::min(a.y, b.y) <= u.y &&
+                                               u.y <= std::max(a.y, b.y);
+                                      };
+                                      return is_between(p) && is_between(q);
+                                    }))
+        << p.x << ", " << p.y << " to " << q.x << ", " << q.y;
+  }
+}
+
+/// Pairs of points a step or two apart whose heights differ by up to 18, far from other pairs:
+/// crossings of edges between them have no finer lattice to move to.
+inline PointTerrain close_pairs() {
+  std::vector<Vec3d> points;
+  const std::vector<LatticePoint> signs = delaunay::test::random_nodes(14 * 14, 1000, 5);
+  for (int y = 0; y < 14; ++y)
+    for (int x = 0; x < 14; ++x) {
+      const Vec3d one{{2000.0 * x + 300 * (y % 3), 2000.0 * y + 300 * (x % 3),
+                       std::round(8 * rough_hills(4 * x, 4 * y)) / 8}};
+      const int sign = signs[static_cast<std::size_t>(14 * y + x)].x % 2 == 0 ? 1 : -1;
+      points.push_back(one);
+      points.push_back(one + Vec3d{{1, 2, 9.0 * sign}});
+    }
+  Progress progress;
+  auto made = make_point_terrain(points, {{0, 0}, 1}, {}, {}, progress);
+  EXPECT_TRUE(made) << made.error().message;
+  return *std::move(made);
+}
+
 struct PointCase {
   std::string name;
   PointTerrain terrain;
@@ -59,6 +123,7 @@ inline std::vector<PointCase> point_cases() {
   all.push_back({"on circles", scattered(300, 24, 2)});
   all.push_back({"part", scattered(500, 1000, 3, {.max_edge = 90})});
   all.push_back({"triangle", scattered(3, 50, 5)});
+  all.push_back({"pairs", close_pairs()});
   auto lined = add_lines(scattered(600, 4096, 4), some_lines(4096), progress);
   EXPECT_TRUE(lined) << lined.error().message;
   all.push_back({"lines", std::move(lined->terrain)});

@@ -272,5 +272,44 @@ TEST_F(midpoint_verification, probing_has_the_values_of_half_edges_and_true_boun
   }
 }
 
+TEST_F(midpoint_verification, probing_several_fields_has_the_values_of_each) {
+  const TetraMesh mesh = test::with_fields(mesh_);
+  Progress progress;
+  auto half = TetraDataset::build(mesh, {.base_share = 0.02, .threads = {2}}, progress);
+  auto middle = TetraDataset::build(
+      mesh, {.base_share = 0.02, .placement = Placement::midpoint, .threads = {2}}, progress);
+  ASSERT_TRUE(half && middle);
+  oracles::Random random(5);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 200; ++i)
+    points.push_back({{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)}});
+  const std::vector<std::size_t> along{3, 1};
+  std::vector<ProbedPoint> expected;
+  ASSERT_TRUE(half->probe(points, {.along = along}, expected, progress));
+  const auto meets = [](const BoundedNumber& a, const BoundedNumber& b) {
+    return a.low <= b.high && b.low <= a.high;
+  };
+  for (const double tolerance : {0.0, 0.3}) {
+    std::vector<ProbedPoint> found;
+    ASSERT_TRUE(middle->probe(points, {.max_error = tolerance, .along = along}, found, progress));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!expected[i].is_inside || !found[i].is_inside) continue;
+      for (std::size_t f = 0; f < along.size(); ++f) {
+        const BoundedNumber& own = found[i].along[f].value;
+        const BoundedNumber& right = expected[i].along[f].value;
+        EXPECT_TRUE(meets(own, right)) << own.low << " to " << own.high << ", " << right.value;
+        if (tolerance == 0) EXPECT_NEAR(own.value, right.value, 1e-6 * (1 + std::abs(right.value)));
+      }
+    }
+    const auto sums = middle->integrate({.max_error = tolerance, .along = along}, progress);
+    const auto right = half->integrate({.along = along}, progress);
+    ASSERT_TRUE(sums && right);
+    for (std::size_t f = 0; f < along.size(); ++f)
+      for (const auto number :
+           {&FieldIntegral::integral, &FieldIntegral::minimum, &FieldIntegral::maximum})
+        EXPECT_TRUE(meets(sums->along[f].*number, right->along[f].*number));
+  }
+}
+
 }  // namespace
 }  // namespace lode

@@ -103,9 +103,11 @@ std::uint64_t Dataset::Impl::chunk_bytes() const {
   return fixed / 7 * 8 + 8;  // an eighth of the limit keeps blocks
 }
 
-Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit) const {
+Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit,
+                                                     bool beside_model) const {
   const auto n_levels = static_cast<int>(summary().max_errors.size());
-  if (is_in_memory_ || n_levels <= diamond::kKeptLevel) return nullptr;
+  if (!reader_ || n_levels <= diamond::kKeptLevel) return nullptr;
+  if (is_in_memory_ && !beside_model) return nullptr;
   const std::lock_guard lock(chunks_mutex_);
   if (!chunks_) {
     const std::uint64_t cache_bytes = memory_limit / 8;

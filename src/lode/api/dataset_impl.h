@@ -56,7 +56,9 @@ class Dataset::Impl {
     std::variant<diamond::CoarseField<2>, diamond::CoarseField<3>> field;
     store::BlockCache blocks;
   };
-  [[nodiscard]] Result<Chunks*> chunks(std::uint64_t memory_limit) const;
+  /// `beside_model`: where that does not matter.
+  [[nodiscard]] Result<Chunks*> chunks(std::uint64_t memory_limit, bool beside_model) const;
+  [[nodiscard]] bool has_file() const { return reader_.has_value(); }
   /// Whether model() would have to load it.
   [[nodiscard]] bool is_in_file() const { return !is_in_memory_; }
   /// About what model() takes.

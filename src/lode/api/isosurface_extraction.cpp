@@ -209,7 +209,7 @@ Result<std::uint64_t> bytes_of_whole(const Dataset::Impl& impl, const ExtractOpt
   const std::uint64_t limit = memory_limit_of(options);
   const std::uint64_t model = impl.model_bytes();
   const double bytes = bytes_per_triangle(options, tolerance);
-  if (bytes == 0 || model > limit || !impl.is_in_file()) return model;
+  if (bytes == 0 || model > limit || !impl.has_file()) return model;
   return impl.bytes_with_triangles(options.isovalues, bytes, limit, progress);
 }
 
@@ -230,7 +230,9 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
       return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
                   impl.chunk_bytes() / 1'000'000 + 1, impl.info().grid.n_samples(),
                   size_of(impl.info().type), limit / 1'000'000);
-    LODE_TRY(plan.chunks, impl.chunks(limit));
+    // Whatever was asked before, and is in memory for it.
+    const bool beside_model = is_too_large && impl.model_bytes() <= limit;
+    LODE_TRY(plan.chunks, impl.chunks(limit, beside_model));
   }
   // At full resolution all in memory is faster, and numbers vertices in another order; within a
   // distance it is faster and takes fewer nodes.

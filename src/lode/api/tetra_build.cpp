@@ -51,10 +51,14 @@ std::uint64_t memory_to_build(const TetraMesh& mesh, const TetraBuildOptions& op
   constexpr std::uint64_t kCell = 200;
   constexpr std::uint64_t kOverlay = 40;
   constexpr std::uint64_t kValue = 80;
+  constexpr std::uint64_t kQuadric = 120;
+  constexpr std::uint64_t kMidpoint = 50;
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   const std::uint64_t n_more = std::max<std::size_t>(mesh.fields.size(), 1) - 1;
+  const std::uint64_t each = kValue + (options.order == CollapseOrder::quadric ? kQuadric : 0) +
+                             (options.placement == Placement::midpoint ? kMidpoint : 0);
   return kFixed + mesh.tetrahedra.size() * (kCell + (is_everywhere ? kOverlay : 0)) +
-         mesh.positions.size() * n_more * kValue;
+         mesh.positions.size() * n_more * each;
 }
 
 Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,

@@ -35,8 +35,12 @@ class HalfEdgeView {
   [[nodiscard]] Cut& cut() { return cut_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const { return hierarchy_.position(vertex); }
-  [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const {
-    return hierarchy_.value(vertex, field);
+  [[nodiscard]] Result<std::vector<double>> values(std::span<const std::uint32_t> vertices,
+                                                   std::size_t field) const {
+    std::vector<double> all;
+    all.reserve(vertices.size());
+    for (const std::uint32_t v : vertices) all.push_back(hierarchy_.value(v, field));
+    return all;
   }
   [[nodiscard]] StoredFacts facts(NodeId node, std::size_t field) const {
     return hierarchy_.facts(static_cast<std::uint32_t>(node), field);
@@ -61,14 +65,15 @@ class MidpointView {
   [[nodiscard]] Cut& cut() { return cut_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const { return cut_.position(vertex); }
-  [[nodiscard]] double value(std::uint32_t vertex, std::size_t /*field*/) const {
-    return cut_.value(vertex);
+  [[nodiscard]] Result<std::vector<double>> values(std::span<const std::uint32_t> vertices,
+                                                   std::size_t field) const {
+    return cut_.values(vertices, field);
   }
-  [[nodiscard]] StoredFacts facts(NodeId node, std::size_t /*field*/) const {
-    return cut_.facts(node);
+  [[nodiscard]] StoredFacts facts(NodeId node, std::size_t field) const {
+    return cut_.facts(node, field);
   }
-  [[nodiscard]] double range_reference(std::size_t /*field*/) const {
-    return cut_.range_reference();
+  [[nodiscard]] double range_reference(std::size_t field) const {
+    return cut_.head().fields[field].codes.knots()[0];
   }
   [[nodiscard]] std::uint32_t maker(std::uint32_t slot) const {
     return cut_.maker(cut_.slots()[slot]);
@@ -237,7 +242,7 @@ Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info,
       const std::uint32_t maker = view.maker(slot);
       cells.mesh.errors.push_back(maker == kNone ? 0 : view.facts(NodeId{maker}, fields[f]).error);
     }
-    for (const std::uint32_t v : vertices) cells.mesh.values.push_back(view.value(v, fields[f]));
+    LODE_TRY(cells.mesh.values, view.values(vertices, fields[f]));
     cells.range_in = [ranges, f](const Box3d& box) { return ranges->range_in(f, box); };
     cells.range_off_cells = [ranges, f](const Box3d& box) {
       return ranges->range_of_candidates(f, box);

@@ -50,6 +50,12 @@ std::string list_regions(const TetraInfo& info) {
   return list_names(std::move(names));
 }
 
+Error no_region(const TetraInfo& info, const std::string& got) {
+  if (info.regions.empty())
+    return fail("regions: expected none, as the mesh has none, got {}", got);
+  return fail("regions: expected one of {}, got {}", list_regions(info), got);
+}
+
 }  // namespace
 
 Result<Query> complete_query(const TetraFieldInfo& field, Query query,
@@ -88,8 +94,7 @@ Result<std::vector<std::int64_t>> find_regions(const TetraInfo& info,
     const std::size_t before = ids.size();
     for (const MeshRegion& region : info.regions)
       if (is_called(region, text)) ids.push_back(region.id);
-    if (ids.size() == before)
-      return fail("regions: expected one of {}, got {}", list_regions(info), text);
+    if (ids.size() == before) return no_region(info, text);
   }
   return ids;
 }
@@ -97,7 +102,7 @@ Result<std::vector<std::int64_t>> find_regions(const TetraInfo& info,
 Result<void> check_regions(const TetraInfo& info, std::span<const std::int64_t> regions) {
   for (const std::int64_t id : regions)
     if (std::ranges::find(info.regions, id, &MeshRegion::id) == info.regions.end())
-      return fail("regions: expected one of {}, got {}", list_regions(info), id);
+      return no_region(info, fmt::format("{}", id));
   return {};
 }
 

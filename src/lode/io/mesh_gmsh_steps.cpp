@@ -44,7 +44,7 @@ void keep_step(const std::optional<GmshTime>& chosen, TimedFields& timed, CellMe
   for (const auto& [key, times] : timed.series)
     if (!times.contains(*chosen))
       mesh.skipped_arrays.push_back(
-          fmt::format("{} (at other times than {})", key.first, chosen->time));
+          fmt::format("{} (at other times than {}: --time chooses one)", key.first, chosen->time));
   timed.fields = std::move(kept);
 }
 

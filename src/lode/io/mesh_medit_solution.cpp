@@ -118,7 +118,7 @@ Result<void> add_medit_solution(const std::string& path, const MeshReadOptions& 
                                                 std::filesystem::path(path).filename().string()));
     }
   }
-  if (is_there) return {};
+  if (is_there || options.solution.empty()) return {};
   return fail("{}: expected SolAtVertices, values at the {} vertices of {}, got none", path,
               mesh.points.size(), mesh.path);
 }

@@ -14,8 +14,8 @@ namespace lode::io {
 
 /// Appends a solution's values at vertices as fields of the points: "solution", or of several
 /// "solution_1" and so on; scalars, vectors, and tensors as 9 components, row by row. Solutions of
-/// edges and cells are listed as left out. Fails, naming file and line, where there is none at
-/// vertices, or one of as many as the mesh has not.
+/// edges and cells are listed as left out. Fails, naming file and line, where one at vertices is
+/// not of as many as the mesh has, and where there is none though the options name this file.
 [[nodiscard]] Result<void> add_medit_solution(const std::string& path,
                                               const MeshReadOptions& options, CellMesh& mesh);
 

@@ -44,7 +44,7 @@ std::string block_name(std::string_view name, std::int64_t id, std::set<std::str
     while (n > 0 && (static_cast<unsigned char>(made[n]) & 0xC0U) == 0x80) --n;
     made.resize(n);
   }
-  if (!taken.insert(made).second) taken.insert(made += fmt::format(" ({})", id));
+  while (!taken.insert(made).second) made += fmt::format(" ({})", id);
   return made;
 }
 

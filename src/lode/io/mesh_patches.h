@@ -36,7 +36,7 @@ class PatchBlocks {
 };
 
 /// Of a block or group: in one line, of about 200 bytes at most, with the number behind it where
-/// the name is taken.
+/// the name is taken, and again until it is not.
 [[nodiscard]] std::string block_name(std::string_view name, std::int64_t id,
                                      std::set<std::string>& taken);
 

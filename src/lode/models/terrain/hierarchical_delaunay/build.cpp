@@ -175,10 +175,33 @@ class LevelBuilder {
         refined, [&](std::uint32_t vertex) { corners.push_back(builder_.place(vertex)); },
         [&](const RefinedEdge& edge, std::size_t k) { corners.push_back(edge.between[k].place); });
     refined.patch = triangulate_polygon(std::move(corners));
+    if (*refined.patch && has_refined_edge(refined, **refined.patch))
+      refined.patch = fail("expected no edge inside whose chain is on the border");
   }
 
-  /// Where chains that were moved onto the lattice cross, only vertices exactly on their edges are
-  /// left of them: between such chains there is always a patch.
+  /// Whether an edge that has a chain is inside of the patch, too, as a chain may be moved out of
+  /// the triangle. Inserting samples brings no such edge: new edges have a new vertex.
+  [[nodiscard]] bool has_refined_edge(const Refined& refined, const Patch& patch) const {
+    std::array<std::uint32_t, 4> place{};  // of the corners, and of the first one again
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t edge = refined.edges[i];
+      place[i + 1] = place[i] + 1;
+      if (edge != kNone) place[i + 1] += static_cast<std::uint32_t>(edges_[edge].between.size());
+    }
+    const std::uint32_t n_places = std::exchange(place[3], 0);
+    LODE_EXPECTS(n_places == patch.places.size());
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (refined.edges[i] == kNone || edges_[refined.edges[i]].between.empty()) continue;
+      for (const auto& corners : patch.triangles)
+        if (std::ranges::find(corners, place[i]) != corners.end() &&
+            std::ranges::find(corners, place[i + 1]) != corners.end())
+          return true;
+    }
+    return false;
+  }
+
+  /// Where chains that were moved onto the lattice cross, or leave an edge inside, only vertices
+  /// exactly on their edges are left of them: between such chains there is always a patch.
   Result<void> find_patches(Progress& progress) {
     for (bool is_done = false; !is_done;) {
       if (progress.is_cancelled()) return cancelled_error();

@@ -261,6 +261,11 @@ Result<HierarchyModel> HierarchyFile::read(int n_levels, Progress& progress) con
   auto linked = link_levels(h, size, progress);
   if (!linked && progress.is_cancelled()) return cancelled_error();
   if (!linked) return fail("{}: {}", reader_.path(), linked.error().message);
+  if (n_levels == head_.n_levels())
+    for (const std::uint32_t t : h.crowded)
+      if (h.triangles[t].refinement == kNone)
+        return fail("{}: expected triangles with points beside them to be refined, got {}",
+                    reader_.path(), t);
   return model;
 }
 

@@ -24,6 +24,8 @@ class BorderWalker {
   void look_at(std::uint32_t refinement) {
     border_.clear();
     const auto [first, end] = hierarchy_.triangles_of(refinement);
+    first_ = first;
+    end_ = end;
     for (std::uint32_t t = first; t < end; ++t) {
       const Hierarchy::Triangle& triangle = hierarchy_.triangles[t];
       for (std::size_t i = 0; i < 3; ++i) {
@@ -33,6 +35,17 @@ class BorderWalker {
       }
     }
     std::ranges::sort(border_);
+  }
+
+  /// Whether one of the triangles has an edge between two vertices.
+  [[nodiscard]] bool has_edge(std::uint32_t a, std::uint32_t b) const {
+    for (std::uint32_t t = first_; t < end_; ++t) {
+      const auto& corner = hierarchy_.triangles[t].corner;
+      if (std::ranges::find(corner, a) != corner.end() &&
+          std::ranges::find(corner, b) != corner.end())
+        return true;
+    }
+    return false;
   }
 
   /// The vertices between two corners; false where no way leads from one to the other.
@@ -57,6 +70,8 @@ class BorderWalker {
   };
 
   const Hierarchy& hierarchy_;
+  std::uint32_t first_ = 0;  ///< Of its triangles, and one past the last.
+  std::uint32_t end_ = 0;
   std::vector<Edge> border_;
 };
 
@@ -81,6 +96,9 @@ Result<EdgeChains> EdgeChains::find_in(const Hierarchy& hierarchy) {
                     refined);
       if (std::ranges::any_of(between, [&](std::uint32_t v) { return v < first_new; }))
         return fail("expected new vertices on the edges of triangle {}, got one of a level before",
+                    refined);
+      if (!between.empty() && walker.has_edge(from, to))
+        return fail("expected no edge from corner to corner inside what refines triangle {} there",
                     refined);
       // The triangle behind has the same chain, backwards.
       const bool is_first = from < to || triangle.twin[i] == delaunay::kNoHalfEdge;

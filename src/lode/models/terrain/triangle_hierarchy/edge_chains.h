@@ -17,7 +17,8 @@ namespace lode::triangle_hierarchy {
 class EdgeChains {
  public:
   /// By walking round what replaces each triangle. O(triangles + n log n) for n chains. Fails where
-  /// that does not go round the triangle's corners, or a chain has a vertex of an earlier level.
+  /// that does not go round the triangle's corners, a chain has a vertex of an earlier level, or an
+  /// edge with a chain is inside of what replaces its triangle, so that it is there twice.
   [[nodiscard]] static Result<EdgeChains> find_in(const Hierarchy& hierarchy);
 
   /// The chain of an edge from its smaller end; empty: it is never refined. O(log n).

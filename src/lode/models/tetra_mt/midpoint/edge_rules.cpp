@@ -10,6 +10,8 @@ namespace {
 
 /// How far from the faces' planes a vertex may be that goes along them, against its distance.
 constexpr double kCoplanar = 1e-6;
+/// What comparing sheets in one plane may be off by, against the edge's length.
+constexpr double kNoise = 0x1p-40;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -103,10 +105,14 @@ std::optional<EdgeCollapser::Rule> EdgeCollapser::flat_rule_of(int place, double
   const bool is_first_alone = rule.position == Place::second;
   const Interfaces& moving = is_first_alone ? interfaces_ : other_interfaces_;
   if (moving.kind != Interfaces::Kind::sheet) return rule;
-  rule.moved = rule.position == Place::middle ? deviation_of_middle(place, limit)
-               : is_first_alone
-                   ? deviation_of_end(star_, interfaces_, place, limit)
-                   : deviation_of_end(other_, other_interfaces_, place_in_other_, limit);
+  const double off = rule.position == Place::middle ? deviation_of_middle(place, limit)
+                     : is_first_alone
+                         ? deviation_of_end(star_, interfaces_, place, limit)
+                         : deviation_of_end(other_, other_interfaces_, place_in_other_, limit);
+  const Vec3d edge =
+      positions_[star_.link[static_cast<std::size_t>(place)]] - positions_[star_.vertex];
+  // In a plane exactly nothing moves but by rounding of the comparison.
+  if (rule.moved > 0 || !(off <= kNoise * length(edge))) rule.moved = off;
   return rule;
 }
 
