@@ -175,7 +175,7 @@ TEST_P(tetra_fields, are_verified_each_and_compared_each) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
     n_of_waves += check.name.ends_with(": waves") ? 1U : 0U;
   }
-  EXPECT_EQ(n_of_waves, 8U);
+  EXPECT_EQ(n_of_waves, 9U);
   const std::array<std::size_t, 3> all{0, 1, 2};
   EXPECT_TRUE(dataset_.verify_against(mesh_, all, progress_)->passed());
   TetraMesh other = mesh_;
