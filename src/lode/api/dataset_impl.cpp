@@ -49,7 +49,7 @@ Result<std::uint64_t> Dataset::Impl::bytes_with_triangles(std::span<const double
   const std::lock_guard lock(mutex_);
   std::vector<double> sorted(isovalues.begin(), isovalues.end());
   std::ranges::sort(sorted);
-  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   const auto all = [&] {
     return model_bytes() +
            static_cast<std::uint64_t>(bytes_per_triangle * static_cast<double>(counted_.n));
