@@ -123,7 +123,6 @@ inline std::vector<PointCase> point_cases() {
   all.push_back({"on circles", scattered(300, 24, 2)});
   all.push_back({"part", scattered(500, 1000, 3, {.max_edge = 90})});
   all.push_back({"triangle", scattered(3, 50, 5)});
-  all.push_back({"pairs", close_pairs()});
   auto lined = add_lines(scattered(600, 4096, 4), some_lines(4096), progress);
   EXPECT_TRUE(lined) << lined.error().message;
   all.push_back({"lines", std::move(lined->terrain)});
@@ -138,6 +137,7 @@ inline std::vector<PointCase> point_cases() {
     all.push_back({has_breaklines ? "raster with breaklines" : "raster with features",
                    std::move(raster->terrain)});
   }
+  all.push_back({"pairs", close_pairs()});
   return all;
 }
 
