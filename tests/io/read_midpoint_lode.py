@@ -7,6 +7,8 @@ Shares no code with Lode, and with the reader of tetra_mt files what section 7 s
 bits and columns. Splits vertices in an order of its own, each when those beside it have smaller
 labels; facts are nested along splits. Prints numbers of vertices, cells and nodes.
 
+One file, although long: it stands for a reader that somebody wrote from the document.
+
 Exit status: 0, 1 for a bad file, 2 where numpy, VTK or libzstd is absent.
 """
 
