@@ -453,8 +453,8 @@ Command add_extract_command(CLI::App& program) {
          "--memory-limit", arguments->memory_limit,
          "Memory for the hierarchy, such as 512M (default: a quarter of the machine's); "
          "with a focus or a budget also for what is made of it; --max-distance and --simplify "
-         "go piece by piece where all at once would be beyond it, with up to three quarters beside "
-         "it")
+         "go piece by piece where all at once would be beyond it, which takes about as much again "
+         "beside it")
       ->type_name("BYTES");
   app->add_flag(
       "--salvage", arguments->reading.salvage,

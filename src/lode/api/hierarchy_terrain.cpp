@@ -24,16 +24,6 @@ using triangle_hierarchy::MeasuredPatches;
 
 namespace {
 
-/// Of the nodes of a lattice 2^bits times as fine.
-HeightFrame fine_frame(const HeightFrame& frame, int bits) {
-  HeightFrame fine = frame;
-  fine.n_columns = ((frame.n_columns - 1) << bits) + 1;
-  fine.n_rows = ((frame.n_rows - 1) << bits) + 1;
-  for (const std::size_t i : {1U, 2U, 4U, 5U})
-    fine.to_world[i] = std::ldexp(frame.to_world[i], -bits);
-  return fine;
-}
-
 Result<void> refine_levels(const triangle_hierarchy::ReferenceSurface& surface, TerrainModel kind,
                            const std::vector<double>& levels,
                            const triangle_hierarchy::FirstMesh* first, Progress& progress,

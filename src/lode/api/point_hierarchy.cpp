@@ -27,10 +27,7 @@ namespace {
 /// 2^bits times as many columns and rows.
 HeightPoints fine_points(const HeightPoints& points, int bits) {
   HeightPoints fine = points;
-  fine.n_columns = ((points.n_columns - 1) << bits) + 1;
-  fine.n_rows = ((points.n_rows - 1) << bits) + 1;
-  for (const std::size_t i : {1U, 2U, 4U, 5U})
-    fine.to_world[i] = std::ldexp(points.to_world[i], -bits);
+  static_cast<HeightFrame&>(fine) = fine_frame(points, bits);
   for (LatticePoint& p : fine.nodes) p = {p.x << bits, p.y << bits};
   return fine;
 }

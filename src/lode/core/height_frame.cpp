@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace lode {
 
@@ -40,6 +41,15 @@ Vec<double, 2> HeightFrame::snapped_lattice(double x, double y) const {
     if (std::abs(at[i] - whole) <= std::min(slack[i], kMost)) at[i] = whole;
   }
   return at;
+}
+
+HeightFrame fine_frame(const HeightFrame& frame, int bits) {
+  HeightFrame fine = frame;
+  fine.n_columns = ((frame.n_columns - 1) << bits) + 1;
+  fine.n_rows = ((frame.n_rows - 1) << bits) + 1;
+  for (const std::size_t i : {1U, 2U, 4U, 5U})
+    fine.to_world[i] = std::ldexp(frame.to_world[i], -bits);
+  return fine;
 }
 
 }  // namespace lode

@@ -32,6 +32,9 @@ struct HeightFrame {
   }
 };
 
+/// Of the nodes of a lattice 2^bits times as fine, which has the same corners.
+[[nodiscard]] HeightFrame fine_frame(const HeightFrame& frame, int bits);
+
 /// The lowest and highest heights; lower > upper where there are none.
 struct HeightRange {
   double lower = 0;

@@ -61,12 +61,6 @@ Result<void> read_medit_cells(MeditInput& input, const MeditKind& kind, CellMesh
   return {};
 }
 
-Result<void> read_medit_dimension(MeditInput& input) {
-  LODE_TRY(const std::int64_t n, input.small("a dimension", 0, 99));
-  if (n == 3) return {};
-  return fail("{}: expected a mesh of 3 dimensions, got {}", input.where(), n);
-}
-
 }  // namespace
 
 Result<CellMesh> read_medit_mesh(const std::string& path, const MeshReadOptions& options) {
@@ -78,7 +72,7 @@ Result<CellMesh> read_medit_mesh(const std::string& path, const MeshReadOptions&
   while (true) {
     LODE_TRY(const std::string keyword, input.keyword());
     if (keyword.empty() || keyword == "end") break;
-    if (keyword == "dimension") LODE_CHECK(read_medit_dimension(input));
+    if (keyword == "dimension") LODE_CHECK(input.expect_three_dimensions("a mesh"));
     if (keyword == "vertices") LODE_CHECK(read_vertices(input, mesh));
     for (const MeditKind& kind : kMeditKinds)
       if (keyword == kind.keyword) LODE_CHECK(read_medit_cells(input, kind, mesh));

@@ -109,6 +109,12 @@ Result<std::int64_t> MeditInput::small(std::string_view what, std::int64_t low, 
   return number(what, ScalarType::int32, low, high);
 }
 
+Result<void> MeditInput::expect_three_dimensions(std::string_view what) {
+  LODE_TRY(const std::int64_t n, small("a dimension", 0, 99));
+  if (n == 3) return {};
+  return fail("{}: expected {} of 3 dimensions, got {}", where(), what, n);
+}
+
 Result<double> MeditInput::real(std::string_view what) {
   if (is_binary_)
     return text_.binary_real(order_, version_ == 1 ? ScalarType::float32 : ScalarType::float64);

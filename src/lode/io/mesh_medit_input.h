@@ -29,6 +29,8 @@ class MeditInput {
   [[nodiscard]] Result<std::int64_t> small(std::string_view what, std::int64_t low,
                                            std::int64_t high);
   [[nodiscard]] Result<double> real(std::string_view what);
+  /// Of what comes behind the keyword Dimension. `what`: "a mesh"
+  [[nodiscard]] Result<void> expect_three_dimensions(std::string_view what);
   /// "FILE: line 7"
   [[nodiscard]] std::string where() const;
   [[nodiscard]] std::size_t n_left() const { return text_.n_left(); }

@@ -79,12 +79,6 @@ Result<void> read_at_vertices(MeditInput& input, CellMesh& mesh) {
   return {};
 }
 
-Result<void> check_solution_dimension(MeditInput& input) {
-  LODE_TRY(const std::int64_t n, input.small("a dimension", 0, 99));
-  if (n == 3) return {};
-  return fail("{}: expected a solution in 3 dimensions, got {}", input.where(), n);
-}
-
 }  // namespace
 
 std::string medit_solution_of(const std::string& mesh_path) {
@@ -107,7 +101,7 @@ Result<void> add_medit_solution(const std::string& path, const MeshReadOptions& 
   while (true) {
     LODE_TRY(const std::string keyword, input.keyword());
     if (keyword.empty() || keyword == "end") break;
-    if (keyword == "dimension") LODE_CHECK(check_solution_dimension(input));
+    if (keyword == "dimension") LODE_CHECK(input.expect_three_dimensions("a solution"));
     if (keyword == "solatvertices" && is_there)
       return fail("{}: expected SolAtVertices once, got another", input.where());
     if (keyword == "solatvertices") {

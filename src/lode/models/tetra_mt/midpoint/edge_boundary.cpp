@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
-#include "lode/models/tetra_mt/midpoint/edge_patch.h"
 #include "lode/models/tetra_mt/patch_deviation.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -16,57 +15,57 @@ constexpr double kTooFar = std::numeric_limits<double>::infinity();
 
 /// The vertices round a disc of faces, from the other end of the edge on; none where faces are no
 /// disc, or the edge is not in it.
-std::vector<std::uint32_t> EdgeCollapser::ring_of(const Star& star, const Interfaces& interfaces,
-                                                  int kept) const {
-  if (interfaces.kind != Interfaces::Kind::sheet || !goes_along(interfaces, kept)) return {};
+void EdgeCollapser::find_ring(const Star& star, const Interfaces& interfaces, int kept,
+                              std::vector<std::uint32_t>& ring) const {
+  ring.clear();
+  if (interfaces.kind != Interfaces::Kind::sheet || !goes_along(interfaces, kept)) return;
   std::uint64_t beside = interfaces.beside[static_cast<std::size_t>(kept)];
   if (star.is_on_boundary()) beside &= ~(std::uint64_t{1} << star.outside);
-  if (beside == 0) return {};
+  if (beside == 0) return;
   const InterfaceWalk disc = walk(interfaces, kept, std::countr_zero(beside));
-  std::vector<std::uint32_t> ring;
   for (std::size_t i = 0; i < static_cast<std::size_t>(disc.n); ++i) {
-    if (disc.places[i] == star.outside) return {};
+    if (disc.places[i] == star.outside) return ring.clear();
     ring.push_back(star.link[disc.places[i]]);
   }
-  return ring;
 }
 
 /// Of one end that goes to the other, in the mesh's unit.
 double EdgeCollapser::deviation_of_end(const Star& star, const Interfaces& interfaces, int kept,
-                                       double limit) const {
-  const std::vector<std::uint32_t> ring = ring_of(star, interfaces, kept);
-  if (ring.size() < 3) return kTooFar;
-  Patch patch{.ring = {}, .n = static_cast<int>(ring.size()), .is_closed = true};
-  for (std::size_t i = 0; i < ring.size(); ++i)
-    patch.ring[i] = (positions_[ring[i]] - positions_[star.vertex]) * scale_;
+                                       double limit) {
+  find_ring(star, interfaces, kept, ring_);
+  if (ring_.size() < 3) return kTooFar;
+  Patch patch{.ring = {}, .n = static_cast<int>(ring_.size()), .is_closed = true};
+  for (std::size_t i = 0; i < ring_.size(); ++i)
+    patch.ring[i] = (positions_[ring_[i]] - positions_[star.vertex]) * scale_;
   return sheet_deviation(patch, limit * scale_) / scale_;
 }
 
 /// Of both ends that go to their middle: the discs round them make one, the other way round the
 /// second.
-double EdgeCollapser::deviation_of_middle(int place, double limit) const {
-  const std::vector<std::uint32_t> first = ring_of(star_, interfaces_, place);
-  std::vector<std::uint32_t> second = ring_of(other_, other_interfaces_, place_in_other_);
-  if (first.size() < 3 || second.size() < 3) return kTooFar;
-  if (second[1] != first.back()) std::reverse(second.begin() + 1, second.end());
-  if (second[1] != first.back() || second.back() != first[1]) return kTooFar;
+double EdgeCollapser::deviation_of_middle(int place, double limit) {
+  find_ring(star_, interfaces_, place, ring_);
+  find_ring(other_, other_interfaces_, place_in_other_, other_ring_);
+  if (ring_.size() < 3 || other_ring_.size() < 3) return kTooFar;
+  if (other_ring_[1] != ring_.back()) std::reverse(other_ring_.begin() + 1, other_ring_.end());
+  if (other_ring_[1] != ring_.back() || other_ring_.back() != ring_[1]) return kTooFar;
   const auto at = [&](std::uint32_t vertex) {
     return (positions_[vertex] - positions_[star_.vertex]) * scale_;
   };
   const PositionCode middle = merged(state_.codes[global(star_.vertex)],
                                      state_.codes[global(other_.vertex)], Place::middle);
-  EdgePatch patch{.first = at(star_.vertex),
-                  .second = at(other_.vertex),
-                  .middle = (state_.scales.position(middle) - positions_[star_.vertex]) * scale_,
-                  .first_ring = {},
-                  .second_ring = {}};
-  for (std::size_t i = 1; i < first.size(); ++i) patch.first_ring.push_back(at(first[i]));
-  for (std::size_t i = 1; i < second.size(); ++i) patch.second_ring.push_back(at(second[i]));
-  return edge_patch_deviation(patch, limit * scale_) / scale_;
+  patch_.first = at(star_.vertex);
+  patch_.second = at(other_.vertex);
+  patch_.middle = (state_.scales.position(middle) - positions_[star_.vertex]) * scale_;
+  patch_.first_ring.clear();
+  patch_.second_ring.clear();
+  for (std::size_t i = 1; i < ring_.size(); ++i) patch_.first_ring.push_back(at(ring_[i]));
+  for (std::size_t i = 1; i < other_ring_.size(); ++i)
+    patch_.second_ring.push_back(at(other_ring_[i]));
+  return edge_patch_deviation(patch_, limit * scale_) / scale_;
 }
 
 /// The middle, unless that is too far; then the end that moves less.
-EdgeCollapser::Rule EdgeCollapser::bent_rule_of(int place, double limit) const {
+EdgeCollapser::Rule EdgeCollapser::bent_rule_of(int place, double limit) {
   const double middle = deviation_of_middle(place, limit);
   if (middle <= limit) return {Place::middle, middle};
   const double to_first = deviation_of_end(other_, other_interfaces_, place_in_other_, limit);

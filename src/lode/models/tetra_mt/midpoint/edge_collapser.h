@@ -10,6 +10,7 @@
 #include "lode/models/tetra_mt/fan.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/midpoint/edge_patch.h"
 #include "lode/models/tetra_mt/midpoint/state.h"
 #include "lode/models/tetra_mt/star.h"
 
@@ -97,14 +98,14 @@ class EdgeCollapser {
   void find_interfaces_of(const Star& star, Interfaces& found) const;
   [[nodiscard]] double height(const Star& star, const Interfaces& interfaces, int kept) const;
   [[nodiscard]] std::optional<Rule> rule_of(int place);
-  [[nodiscard]] std::optional<Rule> flat_rule_of(int place, double limit) const;
-  [[nodiscard]] Rule bent_rule_of(int place, double limit) const;
+  [[nodiscard]] std::optional<Rule> flat_rule_of(int place, double limit);
+  [[nodiscard]] Rule bent_rule_of(int place, double limit);
   [[nodiscard]] double deviation(const Star& star, const Interfaces& interfaces) const;
-  [[nodiscard]] std::vector<std::uint32_t> ring_of(const Star& star, const Interfaces& interfaces,
-                                                   int kept) const;
+  void find_ring(const Star& star, const Interfaces& interfaces, int kept,
+                 std::vector<std::uint32_t>& ring) const;
   [[nodiscard]] double deviation_of_end(const Star& star, const Interfaces& interfaces, int kept,
-                                        double limit) const;
-  [[nodiscard]] double deviation_of_middle(int place, double limit) const;
+                                        double limit);
+  [[nodiscard]] double deviation_of_middle(int place, double limit);
   void note_deviations(int place);
   [[nodiscard]] bool find_value_places(Place position);
   [[nodiscard]] bool keeps_regions(int place) const;
@@ -142,6 +143,9 @@ class EdgeCollapser {
   std::vector<std::uint8_t>
       link_places_;  ///< By vertex: its place in the star's link, or kNoPlace.
 
+  std::vector<std::uint32_t> ring_;        ///< find_ring()'s of one end,
+  std::vector<std::uint32_t> other_ring_;  ///< and of the other.
+  EdgePatch patch_;
   Star star_;  ///< Of the vertex whose edges are looked at,
   Interfaces interfaces_;
   std::vector<int> extrema_;  ///< By field: 1 of a maximum, -1 of a minimum, else 0.

@@ -7,6 +7,9 @@
 #include <limits>
 #include <span>
 
+#include "lode/core/expects.h"
+#include "lode/models/tetra_mt/star.h"
+
 namespace lode::tetra_mt::midpoint {
 namespace {
 
@@ -91,29 +94,57 @@ bool is_fan(std::span<const SeenTriangle> fan) {
   return true;
 }
 
+/// As many as there are round the two ends of an edge, without memory of their own elsewhere.
+template <typename T>
+class List {
+ public:
+  void push_back(const T& one) { all_[n_++] = one; }
+  [[nodiscard]] std::size_t size() const { return n_; }
+  [[nodiscard]] const T& back() const { return all_[n_ - 1]; }
+  [[nodiscard]] const T& operator[](std::size_t i) const { return all_[i]; }
+  [[nodiscard]] const T* begin() const { return all_.data(); }
+  [[nodiscard]] const T* end() const { return all_.data() + n_; }
+
+ private:
+  std::array<T, std::size_t{2} * Star::kMaxLink> all_;
+  std::size_t n_ = 0;
+};
+
+/// Of the old triangles, those at the edge first.
+template <typename Visit>
+void visit_old(const EdgePatch& patch, const Visit& visit) {
+  visit(patch.first, patch.second, patch.first_ring.front());
+  visit(patch.first, patch.first_ring.back(), patch.second);
+  for (std::size_t i = 0; i + 1 < patch.first_ring.size(); ++i)
+    visit(patch.first, patch.first_ring[i], patch.first_ring[i + 1]);
+  for (std::size_t i = 0; i + 1 < patch.second_ring.size(); ++i)
+    visit(patch.second, patch.second_ring[i], patch.second_ring[i + 1]);
+}
+
 }  // namespace
 
 double edge_patch_deviation(const EdgePatch& patch, double limit) {
-  std::vector<std::array<Vec3d, 3>> triangles{{patch.first, patch.second, patch.first_ring.front()},
-                                              {patch.first, patch.first_ring.back(), patch.second}};
-  for (std::size_t i = 0; i + 1 < patch.first_ring.size(); ++i)
-    triangles.push_back({patch.first, patch.first_ring[i], patch.first_ring[i + 1]});
-  for (std::size_t i = 0; i + 1 < patch.second_ring.size(); ++i)
-    triangles.push_back({patch.second, patch.second_ring[i], patch.second_ring[i + 1]});
+  LODE_EXPECTS(patch.first_ring.size() + patch.second_ring.size() <
+               std::size_t{2} * Star::kMaxLink);
   Vec3d normals;
-  for (const auto& [a, b, c] : triangles) normals = normals + cross(b - a, c - a);
+  visit_old(patch, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    normals = normals + cross(b - a, c - a);
+  });
   const View view(normals);
   if (!view.is_known()) return kUnknown;
-  std::vector<SeenTriangle> before;
-  for (const auto& [a, b, c] : triangles) {
+  List<SeenTriangle> before;
+  bool is_seen = true;
+  visit_old(patch, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
     before.push_back({view(a), view(b), view(c)});
-    if (!(turn(before.back()[0], before.back()[1], before.back()[2]) > 0)) return kUnknown;
-  }
+    is_seen = is_seen && turn(before.back()[0], before.back()[1], before.back()[2]) > 0;
+  });
+  if (!is_seen) return kUnknown;
   const Seen first = view(patch.first);
   const Seen second = view(patch.second);
   const Seen middle = view(patch.middle);
-  std::vector<SeenEdge> old_edges{{first, second}};
-  std::vector<Seen> outline;
+  List<SeenEdge> old_edges;
+  old_edges.push_back({first, second});
+  List<Seen> outline;
   for (const Vec3d& p : patch.first_ring) {
     outline.push_back(view(p));
     old_edges.push_back({first, outline.back()});
@@ -124,7 +155,7 @@ double edge_patch_deviation(const EdgePatch& patch, double limit) {
     // Its ends are the first one's.
     if (i > 0 && i + 1 < patch.second_ring.size()) outline.push_back(at);
   }
-  std::vector<SeenTriangle> after;
+  List<SeenTriangle> after;
   for (std::size_t i = 0; i < outline.size(); ++i)
     after.push_back({middle, outline[i], outline[(i + 1) % outline.size()]});
   if (!is_fan(after)) return kUnknown;

@@ -95,7 +95,7 @@ double EdgeCollapser::deviation(const Star& star, const Interfaces& interfaces) 
 /// In the middle where both ends may go along the edge in their planes; else where the one is that
 /// may not. Sheets are compared even there, as where they bend: both sides of a flap without volume
 /// lie in one plane, too, but its outline would move.
-std::optional<EdgeCollapser::Rule> EdgeCollapser::flat_rule_of(int place, double limit) const {
+std::optional<EdgeCollapser::Rule> EdgeCollapser::flat_rule_of(int place, double limit) {
   const double first = height(star_, interfaces_, place);
   const double second = height(other_, other_interfaces_, place_in_other_);
   if (std::min(first, second) == kInfinite) return {};
