@@ -309,5 +309,30 @@ TEST(medit_binary, files_whose_keywords_go_in_a_circle_are_refused) {
   test::expect_mesh_failure(directory.write("x.meshb", bytes), {"version 1 to 4, got 5"});
 }
 
+TEST(medit_binary, files_whose_data_reach_into_the_next_keyword_are_refused) {
+  const TempDir directory;
+  std::string bytes = mesh_bytes({.version = 1});
+  ASSERT_EQ(bytes[28], 5);  // vertices, of 16 bytes each from byte 32 on
+  bytes[28] = 6;
+  test::expect_mesh_failure(directory.write("x.meshb", bytes),
+                            {"at byte 112, got some to byte 128"});
+}
+
+TEST(medit_binary, keywords_that_share_their_data_do_not_take_more_memory_than_the_file) {
+  constexpr std::int32_t kVerticesCode = 4;
+  constexpr std::int32_t kHead = 12;
+  constexpr std::int32_t kVertex = 16;
+  constexpr std::int32_t kSize = 1 << 20;
+  std::vector<std::int32_t> words{1, 1};
+  // Of as many vertices as the rest of the file has room for, at every 12 bytes.
+  for (std::int32_t at = 8; at + kHead < kSize; at += kHead)
+    for (const std::int32_t word : {kVerticesCode, at + kHead, (kSize - at - kHead) / kVertex})
+      words.push_back(word);
+  words.resize(kSize / 4);
+  const TempDir directory;
+  test::expect_mesh_failure(directory.write("x.meshb", test::bytes_of(words)),
+                            {"expected data that end before the next keyword"});
+}
+
 }  // namespace
 }  // namespace lode::io

@@ -65,6 +65,11 @@ Result<void> MeditInput::read_binary_head() {
 
 Result<std::string> MeditInput::binary_keyword() {
   if (next_ == 0) return std::string();
+  // Else many keywords could take the same bytes as their data, again and again.
+  if (text_.position() > next_)
+    return fail(
+        "{}: expected data that end before the next keyword at byte {}, got some to byte {}",
+        path(), next_, text_.position());
   LODE_CHECK(text_.seek(next_));
   LODE_TRY(const std::int64_t code, text_.binary_whole(ScalarType::int32, order_));
   LODE_TRY(const std::int64_t next,
