@@ -315,6 +315,15 @@ TEST(msh_mesh, whose_numbers_of_regions_are_data_keeps_the_names_of_groups) {
             (std::vector<std::string>{"the name 'both' of several regions"}));
 }
 
+TEST(msh_mesh, has_groups_as_regions_where_regionid_is_a_vector) {
+  const TetraMesh mesh =
+      msh_mesh_of(two_groups(names_section("2", "3 1 \"rotor\"\n3 2 \"air\"\n"), 1, 2,
+                             "$ElementData\n1\n\"RegionId\"\n1\n0\n3\n0\n3\n2\n1 7 8 9\n2 4 5 6\n"
+                             "$EndElementData\n"));
+  EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{1, 2}));
+  EXPECT_EQ(mesh.region_names, (std::vector<std::string>{"rotor", "air"}));
+}
+
 /// A section of values, of `tags` what follows.
 void add_section(const std::string& section, const std::string& name, double time, int step,
                  const std::vector<std::int32_t>& tags, const std::vector<double>& values,
@@ -402,6 +411,27 @@ TEST(msh_mesh, without_a_series_has_the_time_of_its_data) {
     const auto wrong = read(data("a", time, 0));
     ASSERT_FALSE(wrong) << time;
     EXPECT_NE(wrong.error().message.find("x.msh"), std::string::npos);
+  }
+}
+
+TEST(msh_mesh, with_a_field_of_one_name_and_step_too_often_is_refused) {
+  const std::string section = "$NodeData\n1\n\"a\"\n1\n0\n3\n5\n1\n0\n$EndNodeData\n";
+  const TempDir directory;
+  const auto read = [&](int n_sections) {
+    std::string sections;
+    for (int i = 0; i < n_sections; ++i) sections += section;
+    return read_cell_mesh(directory.write("x.msh", two_groups("", 1, 1, sections)), {});
+  };
+  const auto most = read(64);
+  ASSERT_TRUE(most) << most.error().message;
+  EXPECT_EQ(most->point_fields.size(), 64U);
+  // Their names together would be longer than a gigabyte.
+  for (const int n : {65, 30000}) {
+    const auto more = read(n);
+    ASSERT_FALSE(more);
+    EXPECT_NE(more.error().message.find("expected at most 64 fields of the name 'a' at step 5"),
+              std::string::npos)
+        << more.error().message;
   }
 }
 

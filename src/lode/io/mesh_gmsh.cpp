@@ -52,12 +52,12 @@ void renumber_names(const std::vector<double>& groups, const std::vector<double>
   mesh.region_names = std::move(renamed);
 }
 
-/// Physical groups become the first field, unless values of elements say what RegionId is, in whole
-/// numbers: groups cannot have all of these.
+/// Physical groups become the first field, unless values of elements say what RegionId is, in one
+/// whole number each: groups cannot have all of these.
 void finish_groups(GmshInput& input) {
   std::vector<MeshField>& fields = input.mesh.cell_fields;
   const auto named = std::find_if(fields.begin(), fields.end(), [](const MeshField& field) {
-    return field.name == kRegionField &&
+    return field.name == kRegionField && field.n_components == 1 &&
            std::all_of(field.values.begin(), field.values.end(),
                        [](double x) { return x == std::trunc(x) && std::abs(x) <= kMostRegion; });
   });

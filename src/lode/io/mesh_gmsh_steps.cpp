@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/io/mesh_gmsh_input.h"
+#include "lode/io/text.h"
 
 namespace lode::io {
 namespace {
@@ -29,16 +30,28 @@ TimedFields timed_fields(std::vector<MeshField>& fields, const std::vector<GmshT
   return timed;
 }
 
+/// Gives a field a name that none before has: its own, with "@STEP" behind as often as need be.
+Result<void> make_name_new(const GmshTime& when, std::set<std::string>& names, MeshField& field,
+                           const CellMesh& mesh) {
+  // Names grow, and a file of many sections of one name would have far more of them than bytes.
+  constexpr int kMostTimes = 64;
+  const std::string name = field.name;
+  const std::string suffix = fmt::format("@{}", when.step);
+  for (int i = 0; i < kMostTimes; ++i, field.name += suffix)
+    if (names.insert(field.name).second) return {};
+  return fail("{}: expected at most {} fields of the name {} at step {}, got more", mesh.path,
+              kMostTimes, in_quotes(name), when.step);
+}
+
 /// The first field of a series at a time stays, and all that are in none.
-void keep_step(const std::optional<GmshTime>& chosen, TimedFields& timed, CellMesh& mesh) {
+Result<void> keep_step(const std::optional<GmshTime>& chosen, TimedFields& timed, CellMesh& mesh) {
   std::vector<MeshField> kept;
   std::set<std::string> names;
   for (std::size_t i = 0; i < timed.fields.size(); ++i) {
     MeshField& field = timed.fields[i];
     const bool is_of_series = timed.series.contains({field.name, field.n_components});
     if (is_of_series && timed.times[i] != chosen) continue;
-    const std::string suffix = fmt::format("@{}", timed.times[i].step);
-    while (!names.insert(field.name).second) field.name += suffix;
+    LODE_CHECK(make_name_new(timed.times[i], names, field, mesh));
     kept.push_back(std::move(field));
   }
   for (const auto& [key, times] : timed.series)
@@ -46,6 +59,7 @@ void keep_step(const std::optional<GmshTime>& chosen, TimedFields& timed, CellMe
       mesh.skipped_arrays.push_back(
           fmt::format("{} (at other times than {}: --time chooses one)", key.first, chosen->time));
   timed.fields = std::move(kept);
+  return {};
 }
 
 /// The one time that all have; none where they have several, or there are none.
@@ -80,9 +94,8 @@ Result<void> choose_gmsh_step(const MeshReadOptions& options, GmshInput& input) 
     mesh.time = chosen->time;
     for (const GmshTime& when : steps) mesh.times.push_back(when.time);
   }
-  keep_step(chosen, points, mesh);
-  keep_step(chosen, cells, mesh);
-  return {};
+  LODE_CHECK(keep_step(chosen, points, mesh));
+  return keep_step(chosen, cells, mesh);
 }
 
 }  // namespace lode::io
