@@ -86,6 +86,25 @@ TEST(height_points, may_all_be_at_one_position_or_on_one_line) {
   EXPECT_FALSE(to_height_points({}, {}, RepeatedHeights::mean));
 }
 
+TEST(height_points, have_a_lattice_whose_areas_doubles_hold_or_are_refused) {
+  const auto spread = [](double size) {
+    return std::vector<Vec3d>{{{-size, 0, 1}}, {{size, 0, 2}}, {{0, size, 3}}};
+  };
+  for (const double far : {1e150, 1e-140, 1e-300})
+    for (const double step : {0.0, 1e-200}) {
+      const HeightPoints made = points_of(spread(far), {{0, 0}, step});
+      const double area = made.to_world[1] * made.to_world[5];
+      EXPECT_TRUE(area > 0 && std::isfinite(area)) << area;
+      for (const LatticePoint& node : made.nodes) EXPECT_GE(std::min(node.x, node.y), 0);
+    }
+  for (const double far : {1e151, 8e307, 1e308}) {
+    const auto refused = to_height_points(spread(far), {}, RepeatedHeights::mean);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("from -1e+150 to 1e+150"), std::string::npos)
+        << refused.error().message;
+  }
+}
+
 TEST(height_points, have_a_mean_between_their_heights_however_large) {
   const HeightPoints made =
       points_of({{{0, 0, 1e9 + 0.01}}, {{0, 0, 1e9 + 0.02}}, {{0, 0, 1e9 + 0.02}}}, {});

@@ -10,6 +10,9 @@ namespace {
 
 constexpr std::int64_t kMostNodes = std::int64_t{1} << 30;
 constexpr std::size_t kMostPoints = std::size_t{1} << 29;
+/// Farthest from the origin, and finest step: doubles hold areas between such points.
+constexpr double kFarthest = 1e150;
+constexpr double kFinestStep = 1e-150;
 
 /// Of the points' rectangle.
 struct Extent {
@@ -32,7 +35,7 @@ PointLattice moved_lattice(const PointLattice& lattice, const Extent& extent) {
   // Whole numbers of steps are far from where doubles do not tell them apart.
   constexpr double kMostSteps = 0x1p50;
   PointLattice moved{{}, lattice.step};
-  if (!(lattice.step > 0)) return {};
+  if (!(lattice.step >= kFinestStep)) return {};
   for (std::size_t i = 0; i < 2; ++i) {
     const double first = std::round((extent.lower[i] - lattice.origin[i]) / lattice.step);
     const double last = std::round((extent.upper[i] - lattice.origin[i]) / lattice.step);
@@ -52,7 +55,7 @@ PointLattice fitting_lattice(const Extent& extent) {
   if (!(range > 0)) return lattice;
   int exponent = 0;
   std::frexp(range, &exponent);  // range < 2^exponent
-  lattice.step = std::max(std::ldexp(1, exponent - 30), 0x1p-1000);
+  lattice.step = std::max(std::ldexp(1, exponent - 30), kFinestStep);
   if (std::round(range / lattice.step) >= static_cast<double>(kMostNodes)) lattice.step *= 2;
   return lattice;
 }
@@ -103,12 +106,21 @@ Result<void> check_count(std::size_t n) {
   return {};
 }
 
+Result<void> check_extent(const Extent& extent) {
+  for (std::size_t i = 0; i < 2; ++i)
+    if (!(extent.lower[i] >= -kFarthest && extent.upper[i] <= kFarthest))
+      return fail("expected points whose x and y are from {} to {}, got {} to {}", -kFarthest,
+                  kFarthest, extent.lower[i], extent.upper[i]);
+  return {};
+}
+
 }  // namespace
 
 Result<HeightPoints> to_height_points(std::span<const Vec3d> points, const PointLattice& lattice,
                                       RepeatedHeights repeated) {
   LODE_CHECK(check_count(points.size()));
   const Extent extent = extent_of(points);
+  LODE_CHECK(check_extent(extent));
   PointLattice used = moved_lattice(lattice, extent);
   if (used.step == 0) used = fitting_lattice(extent);
   HeightPoints made;

@@ -34,8 +34,9 @@ struct PointLattice {
 
 /// Points, x, y and height, finite, on a lattice of at most 2^30 columns and rows. That is the
 /// given one where it has no more between the outermost points, so that nothing is moved but for
-/// rounding; else one whose step is a power of two. Fails on no points, on 2^29 and more, and where
-/// points are repeated that are refused. O(n log n).
+/// rounding; else one whose step is a power of two, or 1e-150 where that would be less. Fails on no
+/// points, on 2^29 and more, on x and y beyond 1e150, and where points are repeated that are
+/// refused. O(n log n).
 [[nodiscard]] Result<HeightPoints> to_height_points(std::span<const Vec3d> points,
                                                     const PointLattice& lattice,
                                                     RepeatedHeights repeated);
