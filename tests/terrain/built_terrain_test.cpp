@@ -72,6 +72,24 @@ TEST(built_terrain, finds_what_is_not_so) {
   EXPECT_FALSE(passes([](LevelledHistory& p) { p.history.range.upper = 1e20; }));
 }
 
+TEST(built_terrain, of_doubles_is_held_against_them_and_not_against_floats) {
+  HeightGrid grid = make_height_grid<double>(21, 17);
+  auto& heights = std::get<HeightGrid::Samples<double>>(grid.heights);
+  for (int y = 0; y < 17; ++y)
+    for (int x = 0; x < 21; ++x)
+      heights[static_cast<std::size_t>(y * grid.stride + x)] = 1000 + gentle_waves(x, y) / 7;
+  Progress progress;
+  for (const TerrainModel model : kBuiltTerrainModels) {
+    SCOPED_TRACE(name_of(model));
+    const auto made = BuiltTerrain::build(grid, {.model = model, .levels = {1, 1e-9}}, progress);
+    ASSERT_TRUE(made) << made.error().message;
+    const auto report = made->verify(grid, {2}, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    for (const VerifyReport::Check& check : report->checks)
+      EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+  }
+}
+
 TEST(built_terrain, builds_what_is_hard_or_says_why_not) {
   Progress progress;
   HeightGrid grid = make_height_grid<double>(9, 8);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "lode/api/bisection_terrain.h"
-#include "lode/mappers/tin_surface.h"
+#include "lode/api/terrain_selection.h"
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
 #include "lode/models/terrain/right_triangle_bisection/nested_errors.h"
 
@@ -149,9 +149,9 @@ Result<VerifyReport> BisectionTerrain::verify(const HeightGrid& grid, Threads th
                  n_lost > 0 ? fmt::format("{} are not", n_lost) : "");
     }
     LODE_TRY(const VerifyReport level,
-             verify_terrain(grid, to_surface(tin, source().frame).surface,
-                            {.max_error = tolerance, .shape = TinShape::any, .threads = threads},
-                            progress));
+             verify_sample_tin(grid, tin,
+                               {.max_error = tolerance, .shape = TinShape::any, .threads = threads},
+                               progress));
     for (const VerifyReport::Check& check : level.checks)
       report.add(name(check.name), check.count, check.passed ? 0 : 1, check.detail);
   }

@@ -10,7 +10,6 @@
 #include "lode/api/insertions_terrain.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/mappers/point_errors.h"
-#include "lode/mappers/tin_surface.h"
 #include "lode/models/terrain/insertions/extract.h"
 
 namespace lode {
@@ -152,7 +151,7 @@ Result<VerifyReport> InsertionsTerrain::verify(const HeightGrid& grid, Threads t
   check_vertices(history, grid, report);
   LODE_CHECK(verify_levels(
       [&](const delaunay::Tin& tin, const TerrainVerifyOptions& options) {
-        return verify_terrain(grid, to_surface(tin, history.frame).surface, options, progress);
+        return verify_sample_tin(grid, tin, options, progress);
       },
       threads, report));
   LODE_CHECK(check_stated_errors(all_triangles(history), 1, grid,

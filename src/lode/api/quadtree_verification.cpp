@@ -6,8 +6,8 @@
 #include <string>
 
 #include "lode/api/quadtree_terrain.h"
+#include "lode/api/terrain_selection.h"
 #include "lode/mappers/tin_quality.h"
-#include "lode/mappers/tin_surface.h"
 
 namespace lode {
 namespace {
@@ -95,11 +95,10 @@ Result<VerifyReport> QuadtreeTerrain::verify(const HeightGrid& grid, Threads thr
       report.add(name("squares are those found from above"), leaves.size(), is_same ? 0 : 1, "");
     }
     if (!has_gaps()) {
-      const Surface surface = to_surface(tin, source().frame).surface;
       LODE_TRY(const VerifyReport level,
-               verify_terrain(grid, surface,
-                              {.max_error = tolerance, .shape = TinShape::any, .threads = threads},
-                              progress));
+               verify_sample_tin(
+                   grid, tin, {.max_error = tolerance, .shape = TinShape::any, .threads = threads},
+                   progress));
       for (const VerifyReport::Check& check : level.checks)
         report.add(name(check.name), check.count, check.passed ? 0 : 1, check.detail);
       continue;

@@ -9,6 +9,7 @@
 
 #include "lode/api/point_terrain.h"
 #include "lode/api/terrain_selection.h"
+#include "lode/core/expects.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/grid_domain.h"
@@ -132,6 +133,16 @@ Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surfa
                    "vertices are samples", options.matches_sides);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
+}
+
+Result<VerifyReport> verify_sample_tin(const HeightGrid& grid, const delaunay::Tin& tin,
+                                       const TerrainVerifyOptions& options, Progress& progress) {
+  LODE_EXPECTS(options.shape != TinShape::tiles);
+  LODE_TRY(const TinFacts facts,
+           check_fine_tin(tin, 1, grid, options.max_error, options.threads, progress));
+  return to_report(facts, options.max_error, options.shape,
+                   fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y),
+                   "vertices are samples", options.matches_sides);
 }
 
 Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin& tin,

@@ -32,6 +32,12 @@ struct SelectedTerrain {
                                                     const TerrainVerifyOptions& options,
                                                     Progress& progress);
 
+/// The same of a TIN of a grid's samples; not of tiles.
+[[nodiscard]] Result<VerifyReport> verify_sample_tin(const HeightGrid& grid,
+                                                     const delaunay::Tin& tin,
+                                                     const TerrainVerifyOptions& options,
+                                                     Progress& progress);
+
 /// As verify_terrain(), of a TIN between the grid's samples: see check_fine_tin(). Errors up to
 /// 2^-48 of the largest |height| are rounding.
 [[nodiscard]] Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin& tin,
