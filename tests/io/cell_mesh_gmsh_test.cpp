@@ -231,6 +231,9 @@ TEST(msh_mesh, that_is_wrong_is_refused_by_what_is_wrong) {
   refused("\n500\n", "\n3\n", {"tag 3 twice"});
   refused("$Elements\n3\n", "$Elements\n9\n", {"an element's tag", "$EndElements"});
   refused("$Nodes\n10\n", "$Nodes\n99999999999\n", {"a node's tag", "$EndNodes"});
+  refused("$Elements\n3\n", "$Elements\n2\n", {"expected $EndElements behind as many", "'77'"});
+  refused("$Nodes\n10\n", "$Nodes\n4\n", {"$EndNodes behind as many", "'7'"});
+  refused("0\n1\n2\n500\n", "0\n1\n1\n500\n", {"$EndNodeData behind as many", "'3'"});
   refused("22\n4\n", "22\n99\n", {"Gmsh's types", "got 99"});
   refused("22\n4\n2\n9\n1\n3\n", "22\n4\n2\n9\n1\n6\n", {"element 22", "the tag 6"});
   refused("3\n6\n3\n1\n", "3\n6\n999999\n1\n", {"components"});
@@ -463,6 +466,8 @@ TEST(medit_mesh, that_is_wrong_is_refused) {
   refused("Tetrahedra\n1\n1 2 3 6 7\n", {"corners below 5", "got 5 in cell 0"});
   refused("Tetrahedra\n1\n0 2 3 4 7\n", {"a vertex from 1"});
   refused("Tetrahedra\n2\n1 2 3 4 7\n", {"a vertex"});
+  refused("Tetrahedra\n1\n1 2 3 4 7\n1 3 2 5 -1\n",
+          {"line 14", "a keyword behind as many tetrahedra as the file says, got '1'"});
   refused("Tetrahedra\n99999999999\n", {"a number of cells"});
   refused("Dimension 2\n", {"3 dimensions"});
   refused("Vertices\n1\n0 0 nan 0\n", {"finite"});

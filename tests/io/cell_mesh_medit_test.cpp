@@ -259,6 +259,8 @@ TEST(medit_solution, that_is_wrong_is_refused_by_file_and_line) {
   refused(head + "SolAtVertices\n5\n2 4 4\n1 2 3\n", {"a.sol", "18 values at 5 vertices"});
   refused(head + "SolAtVertices\n5\n1 1\n1\n2\nx\n4\n5\nEnd\n",
           {"a.sol: line 8: expected a value, got 'x'"});
+  refused(head + "SolAtVertices\n5\n1 1\n1\n2\n3\n4\n5\n6\nEnd\n",
+          {"a.sol: line 11", "a keyword behind as many values as the file says, got '6'"});
   refused(head + "SolAtVertices\n5\n1 1\n1\n2\n3\n4\nEnd\n",
           {"a.sol: line 10", "a value", "'End'"});
   refused(head + "SolAtVertices\n5\n1 1\n1 2 3 4 5\nSolAtVertices\n5\n1 1\n1 2 3 4 5\n",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "lode/io/cell_types.h"
@@ -26,6 +27,26 @@ Result<void> read_section(const std::string& name, GmshInput& input) {
   if (name == "$ElementData") return read_gmsh_data(GmshPlace::elements, input);
   if (name == "$ElementNodeData") return skip_gmsh_data(name, input);
   return {};
+}
+
+/// Sections whose counts say all that is in them: what is behind would be lost without a word.
+bool is_counted(std::string_view section) {
+  return section == "$Nodes" || section == "$Elements" || section == "$NodeData" ||
+         section == "$ElementData";
+}
+
+/// Goes behind a section's end.
+Result<void> end_section(const std::string& name, GmshInput& input) {
+  MeshText& text = input.text;
+  const std::string end = "$End" + name.substr(1);
+  if (is_counted(name)) {
+    const std::string_view found = text.word();
+    if (found == end) return {};
+    return fail("{}: expected {} behind as many as {} says, before byte {}, got {}", text.path(),
+                end, name, text.position(), in_quotes(found));
+  }
+  if (text.skip_past(end)) return {};
+  return fail("{}: expected {} behind byte {}, got none", text.path(), end, text.position());
 }
 
 /// Names of groups become those of what RegionId numbers them, where all elements of a group have
@@ -97,9 +118,7 @@ Result<CellMesh> read_gmsh_mesh(const std::string& path, const MeshReadOptions& 
       return fail("{}: expected a section before byte {}, got {}", path, input.text.position(),
                   in_quotes(name));
     LODE_CHECK(read_section(name, input));
-    const std::string end = "$End" + name.substr(1);
-    if (!input.text.skip_past(end))
-      return fail("{}: expected {} behind byte {}, got none", path, end, input.text.position());
+    LODE_CHECK(end_section(name, input));
   }
   LODE_CHECK(check_field_sizes(input.mesh));
   LODE_CHECK(choose_gmsh_step(options, input));

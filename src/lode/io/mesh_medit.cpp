@@ -69,13 +69,21 @@ Result<CellMesh> read_medit_mesh(const std::string& path, const MeshReadOptions&
   mesh.path = path;
   mesh.begins = {0};
   mesh.cell_fields = {{"RegionId", ScalarType::int32, 1, {}}};
+  std::string before;
   while (true) {
-    LODE_TRY(const std::string keyword, input.keyword());
+    LODE_TRY(const std::string keyword, input.keyword(before));
     if (keyword.empty() || keyword == "end") break;
+    before.clear();
     if (keyword == "dimension") LODE_CHECK(input.expect_three_dimensions("a mesh"));
-    if (keyword == "vertices") LODE_CHECK(read_vertices(input, mesh));
+    if (keyword == "vertices") {
+      LODE_CHECK(read_vertices(input, mesh));
+      before = keyword;
+    }
     for (const MeditKind& kind : kMeditKinds)
-      if (keyword == kind.keyword) LODE_CHECK(read_medit_cells(input, kind, mesh));
+      if (keyword == kind.keyword) {
+        LODE_CHECK(read_medit_cells(input, kind, mesh));
+        before = keyword;
+      }
   }
   const std::string solution =
       options.solution.empty() ? medit_solution_of(path) : options.solution;

@@ -83,9 +83,13 @@ Result<std::string> MeditInput::binary_keyword() {
   return std::to_string(code);
 }
 
-Result<std::string> MeditInput::keyword() {
+Result<std::string> MeditInput::keyword(std::string_view before) {
   if (is_binary_) return binary_keyword();
-  return to_lower(text_.word());
+  const std::string_view word = text_.word();
+  if (!before.empty() && to_double(word))
+    return fail("{}: expected a keyword behind as many {} as the file says, got {}", where(),
+                before, in_quotes(word));
+  return to_lower(word);
 }
 
 std::string MeditInput::where() const {

@@ -20,8 +20,9 @@ class MeditInput {
 
   [[nodiscard]] const std::string& path() const { return text_.path(); }
   /// The next keyword in lower case; of text any next word, of binary files what is known of their
-  /// numbers ("17" of others). Empty at the end.
-  [[nodiscard]] Result<std::string> keyword();
+  /// numbers ("17" of others). Empty at the end. Behind what has been read, as many as its count
+  /// says, no number may stand in text: it would be lost. `before`: what that was, or empty.
+  [[nodiscard]] Result<std::string> keyword(std::string_view before);
   /// A count, a vertex or a reference.
   [[nodiscard]] Result<std::int64_t> whole(std::string_view what, std::int64_t low,
                                            std::int64_t high);

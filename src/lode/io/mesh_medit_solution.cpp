@@ -98,15 +98,18 @@ Result<void> add_medit_solution(const std::string& path, const MeshReadOptions& 
                                 CellMesh& mesh) {
   LODE_TRY(MeditInput input, MeditInput::open(path, options));
   bool is_there = false;
+  std::string before;
   while (true) {
-    LODE_TRY(const std::string keyword, input.keyword());
+    LODE_TRY(const std::string keyword, input.keyword(before));
     if (keyword.empty() || keyword == "end") break;
+    before.clear();
     if (keyword == "dimension") LODE_CHECK(input.expect_three_dimensions("a solution"));
     if (keyword == "solatvertices" && is_there)
       return fail("{}: expected SolAtVertices once, got another", input.where());
     if (keyword == "solatvertices") {
       LODE_CHECK(read_at_vertices(input, mesh));
       is_there = true;
+      before = "values";
     } else if (keyword.starts_with("solat")) {
       mesh.skipped_arrays.push_back(fmt::format("solution at {} ({})", keyword.substr(5),
                                                 std::filesystem::path(path).filename().string()));
