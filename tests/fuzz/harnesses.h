@@ -33,6 +33,9 @@ void run_stl(Input input);
 void run_obj(Input input);
 void run_glb(Input input);
 void run_camera(Input input);
+void run_cell_mesh(Input input);
+void run_medit_solution(Input input);
+void run_points(Input input);
 void run_quantized_mesh(Input input);
 void run_tile_layer(Input input);
 
@@ -64,6 +67,9 @@ inline constexpr Harness kHarnesses[] = {
     {"obj", run_obj},
     {"glb", run_glb},
     {"camera", run_camera},
+    {"cell_mesh", run_cell_mesh},
+    {"medit_solution", run_medit_solution},
+    {"points", run_points},
     {"quantized_mesh", run_quantized_mesh},
     {"tile_layer", run_tile_layer},
 };

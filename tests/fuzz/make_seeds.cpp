@@ -1,5 +1,6 @@
 // Writes small valid inputs of every harness, the fuzzers' first ones: fuzz_seeds
 // tests/fuzz/corpus.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
+#include <vector>
 
 #include "lode/api/built_terrain.h"
 #include "lode/api/point_terrain.h"
@@ -19,18 +22,12 @@
 #include "lode/store/directory.h"
 #include "lode/store/header.h"
 #include "lode/store/journal.h"
+#include "tests/fuzz/seeds.h"
 #include "tests/io/zarr_fixtures.h"
 #include "tests/models/stored_fixtures.h"
 #include "tests/oracles/tetra_grids.h"
 
 namespace lode::fuzz {
-namespace {
-
-using io::test::base64;
-using io::test::bytes_of;
-using io::test::gzipped;
-using io::test::ramp;
-using io::test::zlibbed;
 
 std::filesystem::path corpus;
 
@@ -39,6 +36,19 @@ void keep(const std::string& harness, const std::string& name, const std::string
   std::ofstream(corpus / harness / name, std::ios::binary) << bytes;
 }
 
+std::string joined(const std::string& first, const std::string& second) {
+  return io::test::bytes_of<std::uint16_t>({static_cast<std::uint16_t>(first.size())}) + first +
+         second;
+}
+
+namespace {
+
+using io::test::base64;
+using io::test::bytes_of;
+using io::test::gzipped;
+using io::test::ramp;
+using io::test::zlibbed;
+
 std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -46,11 +56,6 @@ std::string text_of(std::span<const std::byte> bytes) {
 std::string load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// Two parts, as split() takes them apart.
-std::string joined(const std::string& first, const std::string& second) {
-  return bytes_of<std::uint16_t>({static_cast<std::uint16_t>(first.size())}) + first + second;
 }
 
 void keep_lode_file(const std::string& name, const Volume& volume) {
@@ -292,26 +297,48 @@ void keep_tiles() {
       R"("errors":[{"achieved_error":2.5},{"achieved_error":1}]})");
 }
 
+/// Faces of one tetrahedron on two sides of the unit cube.
+void add_patches(TetraMesh& mesh) {
+  mesh.patches = {{3, "inlet"}, {8, ""}};
+  for (const auto& t : mesh.tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::array<std::uint32_t, 3> face{t[(i + 1) % 4], t[(i + 2) % 4], t[(i + 3) % 4]};
+      for (const std::uint32_t patch : {0U, 1U})
+        if (std::ranges::all_of(
+                face, [&](std::uint32_t v) { return mesh.positions[v][2 * patch] == patch; }))
+          mesh.patch_faces.push_back({face, patch});
+    }
+}
+
+void keep_tetra_file(const TetraMesh& mesh, const TetraBuildOptions& options,
+                     const std::string& name) {
+  const io::test::TempDir dir;
+  const std::string path = dir.path("t.lode");
+  Progress progress;
+  if (!TetraDataset::build_file(mesh, path, options, progress)) std::abort();
+  keep("tetra_file", name, load(path));
+}
+
 void keep_tetra_files() {
   TetraMesh mesh = oracles::noise_mesh(4, oracles::Cut::in_five, 3);
   mesh.region_ids = {-2, 7};
   mesh.region_names = {"air", "rotor \xC3\xA9"};
   for (const auto& t : mesh.tetrahedra)
     mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 0 : 1);
-  for (const Placement placement : {Placement::half_edge, Placement::midpoint}) {
-    if (placement == Placement::midpoint) {
-      MeshField& waves = mesh.fields.emplace_back(mesh.fields[0]);
-      waves.name = "waves";
-      waves.type = ScalarType::float64;
-      for (double& value : waves.values) value = std::sin(9 * value) / 3;
-    }
-    const io::test::TempDir dir;
-    const std::string path = dir.path("t.lode");
-    Progress progress;
-    const TetraBuildOptions options{.base_share = 0.1, .placement = placement, .threads = {1}};
-    if (!TetraDataset::build_file(mesh, path, options, progress)) std::abort();
-    keep("tetra_file", placement == Placement::midpoint ? "midpoint" : "half_edge", load(path));
-  }
+  TetraBuildOptions options{.base_share = 0.1, .threads = {1}};
+  keep_tetra_file(mesh, options, "half_edge");
+  MeshField& waves = mesh.fields.emplace_back(mesh.fields[0]);
+  waves.name = "waves";
+  waves.type = ScalarType::float64;
+  for (double& value : waves.values) value = std::sin(9 * value) / 3;
+  options.placement = Placement::midpoint;
+  keep_tetra_file(mesh, options, "midpoint");
+  add_patches(mesh);
+  options.boundary_tolerance = 0.2;
+  options.order = CollapseOrder::quadric;
+  keep_tetra_file(mesh, options, "midpoint_patches");
+  options.placement = Placement::half_edge;
+  keep_tetra_file(mesh, options, "half_edge_patches");
 }
 
 /// Hills with a gap, and at the end of a row another.
@@ -384,6 +411,8 @@ int main(int argc, char** argv) {
   lode::fuzz::keep_zarr();
   lode::fuzz::keep_ome_zarr();
   lode::fuzz::keep_surfaces();
+  lode::fuzz::keep_meshes();
+  lode::fuzz::keep_points();
   lode::fuzz::keep_tiles();
   return 0;
 }
