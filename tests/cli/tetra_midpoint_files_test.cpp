@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/cli/tetra_placement.h"
+#include "tests/io/vtk_oracle.h"
 
 namespace lode::test {
 namespace {
@@ -87,10 +88,135 @@ TEST_F(cli_tetra_placement, verifies_and_probes_files_of_midpoints) {
     EXPECT_LE(sums.at(name).at("low").get<double>(), number + 1e-9);
     EXPECT_GE(sums.at(name).at("high").get<double>(), number - 1e-9);
   }
-  const Finished attached =
-      run_lode({"attach-field", model, input_, scratch_ / "two.lode", "--field", "noise"});
-  EXPECT_EQ(attached.exit_code, 1);
-  EXPECT_NE(attached.err.find("expected half edges"), std::string::npos) << attached.err;
+}
+
+/// Halves that part along a plane, with values of their own there: points at one place.
+SimplexMesh parted(SimplexMesh mesh) {
+  const auto n_before = static_cast<std::uint32_t>(mesh.positions.size());
+  std::vector<std::uint32_t> twins(n_before, n_before);
+  for (std::uint32_t v = 0; v < n_before; ++v) {
+    if (mesh.positions[v][1] != 0.5) continue;
+    twins[v] = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(mesh.positions[v]);
+    mesh.values.push_back(mesh.values[v] - 0.5);
+  }
+  for (auto& t : mesh.tetrahedra)
+    if (std::ranges::any_of(t, [&](std::uint32_t v) { return mesh.positions[v][1] < 0.5; }))
+      for (std::uint32_t& v : t)
+        if (twins[v] != n_before) v = twins[v];
+  return mesh;
+}
+
+/// With a scalar and a vector.
+void write_vtk(const std::string& path, const SimplexMesh& mesh) {
+  std::ofstream out(path);
+  out << "# vtk DataFile Version 3.0\nparted\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+  out << fmt::format("POINTS {} double\n", mesh.positions.size());
+  for (const Vec3d& p : mesh.positions) out << fmt::format("{} {} {}\n", p[0], p[1], p[2]);
+  const std::size_t n_cells = mesh.tetrahedra.size();
+  out << fmt::format("CELLS {} {}\n", n_cells, 5 * n_cells);
+  for (const auto& t : mesh.tetrahedra)
+    out << fmt::format("4 {} {} {} {}\n", t[0], t[1], t[2], t[3]);
+  out << fmt::format("CELL_TYPES {}\n", n_cells);
+  for (std::size_t i = 0; i < n_cells; ++i) out << "10\n";
+  out << fmt::format("POINT_DATA {}\nSCALARS noise double 1\nLOOKUP_TABLE default\n",
+                     mesh.positions.size());
+  for (const double value : mesh.values) out << fmt::format("{}\n", value);
+  out << "SCALARS heat double 1\nLOOKUP_TABLE default\n";
+  for (const double value : mesh.values) out << fmt::format("{}\n", 2 * std::cos(7 * value));
+  out << "VECTORS flow double\n";
+  for (const double value : mesh.values)
+    out << fmt::format("{} {} {}\n", std::cos(5 * value), std::sin(9 * value), value);
+}
+
+class cli_midpoint_attachment : public cli_tetra_placement {
+ protected:
+  cli_midpoint_attachment() {
+    write_vtk(mesh_, noise_);
+    static_cast<void>(
+        done({"build", mesh_, model_, "--placement", "midpoint", "--field", "noise"}));
+  }
+  [[nodiscard]] static std::string refusal(const Words& words) {
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 1);
+    return run.err;
+  }
+
+  SimplexMesh noise_ = parted(noise());
+  std::string mesh_ = scratch_ / "parted.vtk";
+  std::string model_ = scratch_ / "model.lode";
+  std::string some_ = scratch_ / "some.lode";
+  std::string all_ = scratch_ / "all.lode";
+};
+
+/// A scalar at two times, a vector's magnitude, and one of its components.
+TEST_F(cli_midpoint_attachment, takes_scalars_vectors_and_steps) {
+  const nlohmann::json report =
+      done({"attach-field", model_, mesh_, mesh_, some_, "--field", "heat", "--at", "0.5,2"});
+  EXPECT_EQ(report.at("attached"), 2);
+  EXPECT_EQ(report.at("fields")[2].at("time"), 2);
+  EXPECT_EQ(report.at("file_bytes"), std::filesystem::file_size(some_));
+  static_cast<void>(done({"attach-field", some_, mesh_, all_, "--field", "flow"}));
+  static_cast<void>(
+      done({"attach-field", all_, mesh_, all_, "--field", "flow", "--component", "y"}));
+  const nlohmann::json info = done({"info", all_});
+  ASSERT_EQ(info.at("fields").size(), 5U);
+  EXPECT_EQ(info.at("fields")[1].at("time"), 0.5);
+  EXPECT_FALSE(info.at("fields")[3].contains("time"));
+  EXPECT_EQ(done({"verify", all_}).at("passed"), true);
+  for (const Words& of : {Words{"noise"}, Words{"heat", "--time", "1"}, Words{"flow"}}) {
+    Words words{"verify", all_, "--against", mesh_, "--field"};
+    words.insert(words.end(), of.begin(), of.end());
+    EXPECT_EQ(done(words).at("passed"), true);
+  }
+  // Half edges have the same values where all nodes are applied.
+  const std::string half_edges = scratch_ / "half.lode";
+  static_cast<void>(done({"build", mesh_, half_edges, "--field", "noise", "--with", "flow"}));
+  const auto cells_of = [&](const std::string& file) {
+    static_cast<void>(
+        done({"extract", file, output_, "--mesh", "--field", "flow", "--max-error", "0"}));
+    auto cells = read_cell_mesh(output_, {});
+    EXPECT_TRUE(cells);
+    auto made = to_tetrahedra(std::move(*cells), {.fields = std::vector<std::string>{"flow"}});
+    EXPECT_TRUE(made);
+    return sorted_cells(made->mesh);
+  };
+  EXPECT_EQ(cells_of(all_), cells_of(half_edges));
+}
+
+/// By the reader that was written from the document: points at one place, and a field that is not
+/// the first.
+TEST_F(cli_midpoint_attachment, makes_files_as_the_document_says) {
+  Attribute heat{.name = "heat", .values = {}};
+  for (const double value : noise_.values) heat.values.push_back(std::cos(7 * value));
+  heat.errors.assign(noise_.tetrahedra.size(), 0);
+  noise_.attributes = {heat};
+  Progress progress;
+  ASSERT_TRUE(write_vtu(input_, noise_, {.value_name = "noise"}, progress));
+  static_cast<void>(done({"build", input_, model_, "--placement", "midpoint", "--field", "noise"}));
+  static_cast<void>(done({"attach-field", model_, input_, some_, "--field", "heat"}));
+  const std::string said = run_oracle(LODE_MIDPOINT_READER, "'" + some_ + "' '" + input_ + "'");
+  const auto n_vertices = done({"info", some_}).at("vertices").get<std::size_t>();
+  EXPECT_TRUE(said.starts_with(fmt::format("vertices {} ", n_vertices))) << said;
+}
+
+TEST_F(cli_midpoint_attachment, refuses_what_is_there_and_other_meshes) {
+  EXPECT_NE(refusal({"attach-field", model_, mesh_, all_, "--field", "noise"})
+                .find("expected a field that the model has not got"),
+            std::string::npos);
+  const std::string other = scratch_ / "other.vtk";
+  noise_.positions[5][0] += 0.01;
+  write_vtk(other, noise_);
+  EXPECT_NE(refusal({"attach-field", model_, other, all_, "--field", "heat"})
+                .find("other.vtk: expected the mesh that was built, with a vertex at"),
+            std::string::npos);
+  // Another seam: the same places, other cells at them.
+  noise_.positions[5][0] -= 0.01;
+  std::swap(noise_.positions[5], noise_.positions[6]);
+  write_vtk(other, noise_);
+  EXPECT_NE(refusal({"attach-field", model_, other, all_, "--field", "heat"}).find("expected"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(all_));
 }
 
 std::filesystem::path data_directory() {

@@ -22,17 +22,18 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import read_tetra_lode as tetra  # noqa: E402
 from read_tetra_lode import BadFile, Bits, Cursor, container, expect, np, parts, unzigzag  # noqa: E402
 
-TABLE, ROOTS, BASE_CELLS, PAGES, FIELD_ROOTS, FIELD_PAGES = range(1, 7)
+TABLE, ROOTS, BASE_CELLS, PAGES, FIELD_ROOTS, FIELD_PAGES, COINCIDENT = range(1, 8)
 LEAF, NEAR, FAR = range(3)
 
 
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 2, "unknown layout")
+    expect(c.take("I") == 3, "unknown layout")
     m["V"], m["P"], m["B"], m["R"] = c.take("4I")
     m["n_reference"], m["n_base"], m["T"] = c.take("3Q")
     m["box"], m["deviation"] = c.take("6d"), c.take("d")
+    m["tolerance"], m["n_coincident"] = c.take("d"), c.take("I")
     m["regions"] = tetra.read_regions(c)
     m["patches"] = [(c.take("q"), c.take_bytes(c.take("I"))) for _ in range(c.take("I"))]
     m["steps"] = [c.take("iq") for _ in range(3)]
@@ -45,7 +46,9 @@ def read_metadata(raw):
 
 def read_field(c):
     f = {"name": c.take_bytes(c.take("I")).decode("utf-8")}
-    f["type"], f["base_error"], f["min"], f["max"] = c.take("B"), *c.take("3d")
+    f["type"], has_time, time = c.take("B"), c.take("B"), c.take("d")
+    expect(has_time == 1 or (has_time, time) == (0, 0), "a time of nothing")
+    f["base_error"], f["min"], f["max"] = c.take("3d")
     f["step"], f["E"], f["knots"] = c.take("iq"), c.take("d"), c.take("64d")
     expect(list(f["knots"]) == sorted(f["knots"]), "knots are not ascending")
     expect((f["min"], f["max"]) == (f["knots"][0], f["knots"][-1]), "other knots")
@@ -73,6 +76,11 @@ class File:
         self.read_table()
         self.read_roots()
         self.read_cells()
+        self.coincident = []
+        for part, n in enumerate(parts(self.m["n_coincident"], 65536)):
+            c = Cursor(self.library, self.take(COINCIDENT, part))
+            self.coincident += c.differences(n, 4).astype(int).tolist()
+            c.end()
 
     def take(self, kind, x, level=0):
         expect((kind, x, level) in self.blocks, f"no block {kind} {x} {level}")
@@ -497,6 +505,16 @@ def vertices_of(file):
     return found
 
 
+def check_coincident(file):
+    """That those told apart are those that lie where others do, by the bits of their places."""
+    places = [struct.unpack("3Q", struct.pack("3d", *at[:3])) for at in vertices_of(file)]
+    times = collections.Counter(places)
+    wanted = [leaf for leaf, place in enumerate(places) if times[place] > 1]
+    expect(sorted(file.coincident) == wanted, "other leaves lie where others do")
+    listed = [places[leaf] for leaf in file.coincident]
+    expect(listed == sorted(listed), "leaves at one place are not together")
+
+
 def compare(file, cells, path):
     """Tetrahedra, and faces of patches, by what is at their corners, with their marks."""
     mesh, to_numpy = tetra.load_mesh(path)
@@ -532,6 +550,7 @@ def main():
     cells = split_all(file)
     inner = [cell for cell, _ in cells if file.m["V"] + file.n not in cell]
     expect(len(inner) == file.m["n_reference"], f"got {len(inner)} cells")
+    check_coincident(file)
     if len(sys.argv) > 2:
         compare(file, cells, sys.argv[2])
     print(f"vertices {file.m['V']} cells {len(inner)} nodes {file.n}")

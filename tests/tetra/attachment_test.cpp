@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "lode/api/tetra_attachment.h"
 #include "tests/oracles/tetra_grids.h"
@@ -36,7 +38,7 @@ TetraMesh with_cosine(TetraMesh mesh, double frequency) {
   return mesh;
 }
 
-class tetra_attachment : public testing::Test {
+class tetra_attachment : public testing::TestWithParam<Placement> {
  protected:
   tetra_attachment() {
     const std::filesystem::path folder =
@@ -44,14 +46,19 @@ class tetra_attachment : public testing::Test {
     std::filesystem::create_directories(folder);
     model_ = folder / "model.lode";
     output_ = folder / "output.lode";
-    Progress progress;
-    EXPECT_TRUE(TetraDataset::build_file(mesh_, model_, {.threads = {2}}, progress));
+    build({.threads = {2}});
   }
   ~tetra_attachment() override {
     std::filesystem::remove_all(std::filesystem::path(model_).parent_path());
   }
 
-  Result<TetraAttachReport> attach(std::vector<TetraStep> steps) const {
+  void build(TetraBuildOptions options) const {
+    Progress progress;
+    options.placement = GetParam();
+    EXPECT_TRUE(TetraDataset::build_file(mesh_, model_, options, progress));
+  }
+  [[nodiscard]] Result<TetraAttachReport> attach(std::vector<TetraStep> steps,
+                                                 Threads threads = {2}) const {
     std::size_t at = 0;
     Progress progress;
     return attach_fields(
@@ -60,7 +67,7 @@ class tetra_attachment : public testing::Test {
           if (at == steps.size()) return std::optional<TetraStep>();
           return std::optional(steps[at++]);
         },
-        {2}, progress);
+        threads, progress);
   }
   [[nodiscard]] std::string refusal(const TetraStep& step) const {
     const auto report = attach({step});
@@ -73,7 +80,7 @@ class tetra_attachment : public testing::Test {
   std::string output_;
 };
 
-TEST_F(tetra_attachment, states_of_a_field_what_building_with_it_did) {
+TEST_P(tetra_attachment, states_of_a_field_what_building_with_it_did) {
   TetraMesh again = mesh_;
   again.fields[0].name = "again";
   const auto report = attach({{again, {}, "again"}});
@@ -101,7 +108,7 @@ TEST_F(tetra_attachment, states_of_a_field_what_building_with_it_did) {
   }
 }
 
-TEST_F(tetra_attachment, holds_of_other_fields_and_times) {
+TEST_P(tetra_attachment, holds_of_other_fields_and_times) {
   const auto report =
       attach({{with_cosine(mesh_, 5), 0.5, "first"}, {with_cosine(mesh_, 9), 1.5, "second"}});
   ASSERT_TRUE(report) << report.error().message;
@@ -137,10 +144,9 @@ TEST_F(tetra_attachment, holds_of_other_fields_and_times) {
   for (const double value : surface.attributes[0].values) EXPECT_LT(std::abs(value), 1.2);
 }
 
-TEST_F(tetra_attachment, holds_where_the_boundary_has_moved) {
+TEST_P(tetra_attachment, holds_where_the_boundary_has_moved) {
   Progress progress;
-  ASSERT_TRUE(TetraDataset::build_file(mesh_, model_, {.boundary_tolerance = 0.05, .threads = {2}},
-                                       progress));
+  build({.boundary_tolerance = 0.05, .threads = {2}});
   ASSERT_TRUE(attach({{with_cosine(mesh_, 5), {}, "cosine"}}));
   const auto verified =
       TetraDataset::open(output_)->verify({.n_random_cuts = 3, .threads = {2}}, progress);
@@ -149,14 +155,14 @@ TEST_F(tetra_attachment, holds_where_the_boundary_has_moved) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
 }
 
-TEST_F(tetra_attachment, may_replace_the_model_itself) {
+TEST_P(tetra_attachment, may_replace_the_model_itself) {
   output_ = model_;
   ASSERT_TRUE(attach({{with_cosine(mesh_, 5), 0.5, "first"}}));
   ASSERT_TRUE(attach({{with_cosine(mesh_, 9), 1.5, "second"}}));
   EXPECT_EQ(TetraDataset::open(model_)->describe().fields.size(), 3U);
 }
 
-TEST_F(tetra_attachment, takes_no_other_mesh) {
+TEST_P(tetra_attachment, takes_no_other_mesh) {
   TetraMesh other = with_cosine(mesh_, 5);
   other.positions[40][1] += 1e-9;
   EXPECT_NE(refusal({other, {}, "moved.vtu"}).find("moved.vtu: expected the mesh that was built"),
@@ -177,7 +183,19 @@ TEST_F(tetra_attachment, takes_no_other_mesh) {
             std::string::npos);
 }
 
-TEST_F(tetra_attachment, can_be_stopped) {
+TEST_P(tetra_attachment, is_the_same_for_any_number_of_threads) {
+  const auto bytes = [&](Threads threads) {
+    EXPECT_TRUE(attach(
+        {{with_cosine(mesh_, 5), 0.5, "first"}, {with_cosine(mesh_, 9), 1.5, "second"}}, threads));
+    std::ifstream file(output_, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string one = bytes({1});
+  EXPECT_GT(one.size(), 1'000U);
+  EXPECT_TRUE(one == bytes({3}));
+}
+
+TEST_P(tetra_attachment, can_be_stopped) {
   Progress progress;
   progress.cancel();
   const auto report = attach_fields(
@@ -190,6 +208,12 @@ TEST_F(tetra_attachment, can_be_stopped) {
   EXPECT_EQ(report.error().message, cancelled_error().message);
   EXPECT_FALSE(std::filesystem::exists(output_));
 }
+
+INSTANTIATE_TEST_SUITE_P(placements, tetra_attachment,
+                         testing::Values(Placement::half_edge, Placement::midpoint),
+                         [](const auto& of) {
+                           return of.param == Placement::midpoint ? "midpoint" : "half_edge";
+                         });
 
 }  // namespace
 }  // namespace lode

@@ -132,7 +132,7 @@ TEST(midpoint_pages, bits_give_fields_back) {
     for (std::uint32_t page = 0; page < hierarchy.pages.n_pages(); ++page) {
       const ForestPage nodes(content_of(hierarchy, page), hierarchy.pages, page,
                              hierarchy.n_vertices);
-      const FieldPage content = field_page_of(hierarchy, field, page);
+      const FieldPage content = field_page_of(hierarchy, nodes, field, page);
       const auto bytes = encode_field_page(content, hierarchy, hierarchy.fields[f], page, nodes);
       const auto read =
           decode_field_page(bytes, "page", hierarchy, hierarchy.fields[f], page, nodes);
@@ -159,7 +159,7 @@ TEST(midpoint_pages, any_bytes_of_fields_are_read_as_something_or_refused) {
     const ForestField& head = hierarchy.fields[f];
     const ForestPage nodes(content_of(hierarchy, page), hierarchy.pages, page,
                            hierarchy.n_vertices);
-    auto bytes = encode_field_page(field_page_of(hierarchy, hierarchy.further[f - 1], page),
+    auto bytes = encode_field_page(field_page_of(hierarchy, nodes, hierarchy.further[f - 1], page),
                                    hierarchy, head, page, nodes);
     bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
     if (trial % 5 == 0) bytes.resize(random.below(bytes.size()));

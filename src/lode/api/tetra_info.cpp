@@ -30,7 +30,7 @@ TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
   std::vector<TetraFieldInfo> fields;
   for (const tetra_mt::midpoint::ForestField& field : head.fields)
     fields.push_back({field.name, field.type, field.low, field.high, ErrorPlace::at_samples,
-                      field.base_error, std::nullopt});
+                      field.base_error, field.time});
   return {.placement = Placement::midpoint,
           .n_vertices = head.n_vertices,
           .n_cells = head.n_cells,

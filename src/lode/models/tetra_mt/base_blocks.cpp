@@ -131,6 +131,19 @@ Result<std::vector<std::uint32_t>> read_marks(StreamReader& in,
   return marks;
 }
 
+Result<store::Writer> copy_blocks(const std::string& from, const std::string& to,
+                                  std::string_view model, const Progress& progress) {
+  LODE_TRY(const store::Reader reader, store::Reader::open(from));
+  LODE_TRY(auto writer, store::Writer::create(to, model, {}));
+  const auto blocks = reader.blocks();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_TRY(const auto bytes, reader.read_block(i));
+    LODE_CHECK(writer.append(blocks[i].key, as_block(bytes)));
+  }
+  return writer;
+}
+
 Result<std::vector<std::byte>> read_block(const store::Reader& reader, const store::BlockKey& key) {
   const auto at = reader.find(key);
   if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "lode/core/boundary_patch.h"
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/vec.h"
 #include "lode/models/tetra_mt/byte_streams.h"
@@ -66,6 +68,9 @@ void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out);
 [[nodiscard]] inline store::EncodedBlock as_block(const std::vector<std::byte>& bytes) {
   return store::encode_block_as(store::Codec::none, {.raw = bytes, .size = 1});
 }
+/// A writer of a file `to` that has all blocks of another one, as they are, and no metadata yet.
+[[nodiscard]] Result<store::Writer> copy_blocks(const std::string& from, const std::string& to,
+                                                std::string_view model, const Progress& progress);
 [[nodiscard]] Result<std::vector<std::byte>> read_block(const store::Reader& reader,
                                                         const store::BlockKey& key);
 

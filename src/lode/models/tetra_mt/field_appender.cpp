@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "lode/models/tetra_mt/base_blocks.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/persist.h"
-#include "lode/store/reader.h"
 
 namespace lode::tetra_mt {
 
@@ -14,15 +14,7 @@ FieldAppender::FieldAppender(const PackedHierarchy& hierarchy, store::Writer wri
 Result<FieldAppender> FieldAppender::create(const std::string& model,
                                             const PackedHierarchy& hierarchy,
                                             const std::string& output, Progress& progress) {
-  LODE_TRY(const store::Reader reader, store::Reader::open(model));
-  LODE_TRY(auto writer, store::Writer::create(output, kModelName, {}));
-  const auto blocks = reader.blocks();
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (progress.is_cancelled()) return cancelled_error();
-    LODE_TRY(const auto bytes, reader.read_block(i));
-    LODE_CHECK(writer.append(
-        blocks[i].key, store::encode_block_as(store::Codec::none, {.raw = bytes, .size = 1})));
-  }
+  LODE_TRY(auto writer, copy_blocks(model, output, kModelName, progress));
   return FieldAppender(hierarchy, std::move(writer));
 }
 

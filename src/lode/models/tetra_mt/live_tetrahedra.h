@@ -32,6 +32,8 @@ class LiveTetrahedra {
   /// Tetrahedra with both ends of an edge go; in the others round `removed` it becomes `kept`. All
   /// vertices beside it are own ones, but the one outside. Returns how many cells went.
   std::uint32_t collapse(std::uint32_t removed, std::uint32_t kept);
+  /// Slots round an own vertex ascend then, as they do before any collapse.
+  void sort_star(std::uint32_t vertex) { stars_.sort(vertex); }
 
  private:
   std::uint32_t n_own_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,6 +39,11 @@ class SlotLists {
       n += goes(number) ? 0 : 1;
     }
     lists_[list].size = n;
+  }
+  /// Into ascending order.
+  void sort(std::uint32_t list) {
+    std::uint32_t* const begin = pool_.data() + lists_[list].begin;
+    std::sort(begin, begin + lists_[list].size);
   }
   void end(std::uint32_t list);
 

@@ -1,9 +1,11 @@
 // What the collapse of an edge does, once it is chosen.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "lode/core/expects.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -16,27 +18,62 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 /// False, and nothing done, where rounding leaves open what covers a sample.
 bool EdgeCollapser::collapse(const Choice& choice) {
   if (is_by_quadrics()) gather_own_samples();
-  for (int i = 0; i < star_.n_link; ++i)
-    link_places_[star_.link[static_cast<std::size_t>(i)]] = static_cast<std::uint8_t>(i);
-  const bool is_known = look_at_edge(choice.place);
-  for (int i = 0; i < star_.n_link; ++i)
-    link_places_[star_.link[static_cast<std::size_t>(i)]] = kNoPlace;
-  if (!is_known) return false;
+  if (!look_at_one_edge(choice.place)) return false;
   const auto rule = rule_of(choice.place);
   if (!rule) return false;
   rule_ = *rule;
   if (!keeps_regions(choice.place) || !make_fan_at(choice.place) || !cover_samples()) return false;
   const std::uint32_t other = star_.link[static_cast<std::size_t>(choice.place)];
-  note_facts();
   note_deviations(choice.place);
+  change(choice.place);
+  state_.keys[global(other)] = std::numeric_limits<float>::infinity();
+  queue_.remove(other);
+  return true;
+}
+
+/// What was chosen before, when the fields were others: only where the values come from is found
+/// anew.
+bool EdgeCollapser::repeat(const EdgeCollapse& given) {
+  LODE_EXPECTS(!is_by_quadrics() && given.kept < live_.n_own());
+  if (!gatherer_.gather(given.kept, star_)) return false;
+  const auto end = star_.link.begin() + star_.n_link;
+  const auto found = std::find(star_.link.begin(), end, given.removed);
+  if (found == end || given.removed == live_.outside()) return false;
+  const auto place = static_cast<int>(found - star_.link.begin());
+  look_at_star();
+  if (!look_at_one_edge(place)) return false;
+  rule_ = {given.position, 0};
+  take_value_places(given.position);
+  if (!make_fan_at(place) || !cover_samples()) return false;
+  change(place);
+  return true;
+}
+
+/// Expects the star of one end, and nothing of the edge but which it is.
+bool EdgeCollapser::look_at_one_edge(int place) {
+  for (int i = 0; i < star_.n_link; ++i)
+    link_places_[star_.link[static_cast<std::size_t>(i)]] = static_cast<std::uint8_t>(i);
+  const bool is_known = look_at_edge(place);
+  for (int i = 0; i < star_.n_link; ++i)
+    link_places_[star_.link[static_cast<std::size_t>(i)]] = kNoPlace;
+  return is_known;
+}
+
+/// Stars stay in the order of slots: of lanes that cover a sample alike the first one takes it, so
+/// that repeat() finds what collapse() did.
+void EdgeCollapser::change(int place) {
+  const std::uint32_t other = star_.link[static_cast<std::size_t>(place)];
+  note_facts();
   move_samples();
   make_vertex(other);
   n_gone_ += live_.collapse(other, star_.vertex);
+  live_.sort_star(star_.vertex);
+  for (std::uint64_t ring = star_.adjacent[static_cast<std::size_t>(place)]; ring != 0;
+       ring &= ring - 1)
+    if (const int at = std::countr_zero(ring); at != star_.outside)
+      live_.sort_star(star_.link[static_cast<std::size_t>(at)]);
   state_.is_there[global(other)] = 0;
-  state_.keys[global(other)] = std::numeric_limits<float>::infinity();
-  queue_.remove(other);
   collapses_.push_back({global(star_.vertex), global(other), rule_.position});
-  return true;
 }
 
 /// By one lane. Weights are of the triangle's corners; products of lengths bound what they lose.

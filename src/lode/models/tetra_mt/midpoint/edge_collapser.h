@@ -41,6 +41,10 @@ class EdgeCollapser {
   /// Where quadrics are the order: those of the first n, before any keys.
   void find_quadrics(std::size_t n);
   void find_keys(std::size_t n);
+  /// Does a collapse again that was chosen for other fields, of vertices by their places in the
+  /// block, all of whose neighbours are of it. The same samples come to the same tetrahedra. False,
+  /// and nothing done, where there is no such edge, or rounding leaves open what covers a sample.
+  [[nodiscard]] bool repeat(const EdgeCollapse& given);
 
   [[nodiscard]] std::span<const EdgeCollapse> collapses() const { return collapses_; }
   /// By collapse and field.
@@ -108,6 +112,7 @@ class EdgeCollapser {
   [[nodiscard]] double deviation_of_middle(int place, double limit);
   void note_deviations(int place);
   [[nodiscard]] bool find_value_places(Place position);
+  void take_value_places(Place position);
   [[nodiscard]] bool keeps_regions(int place) const;
 
   void find_vertex(int place);
@@ -121,6 +126,8 @@ class EdgeCollapser {
 
   // edge_collapse.cpp: what a collapse does.
   [[nodiscard]] bool collapse(const Choice& choice);
+  [[nodiscard]] bool look_at_one_edge(int place);
+  void change(int place);
   [[nodiscard]] Cover cover_by(std::size_t lane, std::uint32_t sample) const;
   [[nodiscard]] std::optional<Cover> find_cover(std::size_t sample) const;
   [[nodiscard]] double error_of(const Cover& cover, std::uint32_t sample, std::size_t field) const;

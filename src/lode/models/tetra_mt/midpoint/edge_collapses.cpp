@@ -175,6 +175,7 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
     if (state.tetrahedra[slot][0] != kNone)
       result.boundary_deviation = std::max(result.boundary_deviation, state.deviations[slot]);
   result.volume_change = state.volume() - volume;
+  result.boundary_tolerance = tolerance;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);
   result.errors = std::move(state.errors);

@@ -29,6 +29,7 @@ struct EdgeCollapses {
   std::vector<float> errors;
   double boundary_deviation = 0;  ///< As HalfEdgeCollapses'.
   double volume_change = 0;       ///< The base's volume less the reference's.
+  double boundary_tolerance = 0;  ///< The options'.
 };
 
 /// Collapses edges to their midpoints until few cells are left, or none may go: the edge first

@@ -37,13 +37,20 @@ void EdgeCollapser::find_extrema(const Star& star, std::vector<int>& found) cons
 /// Of each field the value of the end that is an extremum, or that which lies there. False where
 /// one end is a maximum of a field, and the other a minimum.
 bool EdgeCollapser::find_value_places(Place position) {
-  for (std::size_t f = 0; f < state_.n_fields; ++f) {
+  for (std::size_t f = 0; f < state_.n_fields; ++f)
     if (extrema_[f] * other_extrema_[f] < 0) return false;
-    value_[f].place = extrema_[f] != 0         ? Place::first
+  take_value_places(position);
+  return true;
+}
+/// Likewise, also where the ends are a maximum and a minimum: of two extrema neither is more.
+void EdgeCollapser::take_value_places(Place position) {
+  for (std::size_t f = 0; f < state_.n_fields; ++f) {
+    const bool is_either = extrema_[f] * other_extrema_[f] < 0;
+    value_[f].place = is_either                ? position
+                      : extrema_[f] != 0       ? Place::first
                       : other_extrema_[f] != 0 ? Place::second
                                                : position;
   }
-  return true;
 }
 
 void EdgeCollapser::find_interfaces_of(const Star& star, Interfaces& found) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "lode/models/tetra_mt/base_blocks.h"
@@ -19,6 +20,16 @@ Result<Scale> read_scale(store::ByteReader& in, const std::string& path) {
     return fail("{}: metadata: expected steps of finite numbers, got 2^{} from {} on", path,
                 exponent, first);
   return Scale(exponent, first);
+}
+
+Result<std::optional<double>> read_time(store::ByteReader& in, const std::string& path,
+                                        const std::string& field) {
+  LODE_TRY(const auto has_time, in.read<std::uint8_t>());
+  LODE_TRY(const double time, in.read<double>());
+  if (has_time > 1 || !std::isfinite(time) || (has_time == 0 && time != 0))
+    return fail("{}: metadata: expected 1 and a finite time of {}, or 0 and 0, got {} and {}", path,
+                field, has_time, time);
+  return has_time == 1 ? std::optional(time) : std::nullopt;
 }
 
 Result<double> read_largest(store::ByteReader& in, const std::string& path, const char* what) {
@@ -48,6 +59,7 @@ Result<ForestField> read_field(store::ByteReader& in, const std::string& path) {
   field.type = static_cast<ScalarType>(type);
   if (!is_valid(field.type))
     return fail("{}: metadata: expected a sample type 1..10, got {}", path, type);
+  LODE_TRY(field.time, read_time(in, path, field.name));
   LODE_TRY(field.base_error, in.read<double>());
   if (!(field.base_error >= 0))
     return fail("{}: metadata: expected an error >= 0, got {}", path, field.base_error);
@@ -81,7 +93,9 @@ void write_scale(const Scale& scale, store::ByteWriter& out) {
 void write_field(const ForestField& field, store::ByteWriter& out) {
   out.write_string(field.name);
   out.write(static_cast<std::uint8_t>(field.type));
-  for (const double x : {field.base_error, field.low, field.high}) out.write(x);
+  out.write(static_cast<std::uint8_t>(field.time ? 1 : 0));
+  for (const double x : {field.time.value_or(0), field.base_error, field.low, field.high})
+    out.write(x);
   write_scale(field.scale, out);
   out.write(field.codes.largest_error());
   for (const double knot : field.codes.knots()) out.write(knot);
@@ -95,6 +109,9 @@ Result<void> check_counts(const ForestHead& head, const ForestCounts& counts,
         "{}: metadata: expected no more than {} vertices, and nodes with roots, got {}, {} "
         "roots and {} pages",
         path, head.n_vertices, head.n_base_leaves, counts.n_roots, counts.n_pages);
+  if (head.n_coincident_leaves > head.n_vertices)
+    return fail("{}: metadata: expected up to {} vertices that lie where others do, got {}", path,
+                head.n_vertices, head.n_coincident_leaves);
   if (head.n_vertices >= kNone || counts.n_tetrahedra >= kNone ||
       head.n_base_cells > counts.n_tetrahedra || head.n_base_cells > head.n_cells)
     return fail("{}: metadata: expected fewer cells of the base than tetrahedra, got {} and {}",
@@ -117,6 +134,8 @@ std::vector<std::byte> encode_head(const ForestHead& head) {
   for (const Vec3d* corner : {&head.box.lower, &head.box.upper})
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
+  out.write(head.boundary_tolerance);
+  out.write(head.n_coincident_leaves);
   write_labels(labels_of(head), out);
   for (const Scale& axis : head.scales.axes()) write_scale(axis, out);
   out.write(head.radii.largest());
@@ -142,6 +161,8 @@ Result<ForestHead> decode_head(std::span<const std::byte> bytes, const std::stri
   LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
   LODE_CHECK(read_box(in, path, head.box.lower, head.box.upper));
   LODE_TRY(head.boundary_deviation, read_deviation(in, path));
+  LODE_TRY(head.boundary_tolerance, read_deviation(in, path));
+  LODE_TRY(head.n_coincident_leaves, in.read<std::uint32_t>());
   LODE_TRY(HeadLabels labels, read_labels(in, path));
   take_labels(std::move(labels), head);
   std::array<Scale, 3> axes;

@@ -4,12 +4,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "lode/core/progress.h"
 #include "lode/models/tetra_mt/midpoint/forest.h"
 #include "lode/store/format.h"
+#include "lode/store/writer.h"
 
 namespace lode::tetra_mt::midpoint {
 
@@ -20,10 +23,11 @@ enum class Kind : std::uint32_t {
   page = 4,
   field_roots = 5,
   field_page = 6,
+  coincident_leaves = 7,
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 2;
+inline constexpr std::uint32_t kLayout = 3;
 
 /// Pages of which a block of the table tells.
 inline constexpr std::uint32_t kTablePart = 1U << 12;
@@ -47,5 +51,13 @@ struct ForestCounts {
 /// All but the table, roots and tetrahedra. Fails on what no hierarchy has.
 [[nodiscard]] Result<ForestHead> decode_head(std::span<const std::byte> bytes,
                                              const std::string& path, ForestCounts& counts);
+
+/// Of a page of nodes; called by many threads at once.
+using NodesOf = std::function<ForestPage(std::uint32_t page)>;
+
+/// Writes the blocks of a field but the first, whose place in the head that is.
+[[nodiscard]] Result<void> append_field(const ForestHead& head, std::size_t field,
+                                        const FurtherField& records, const NodesOf& nodes_of,
+                                        Threads threads, store::Writer& writer, Progress& progress);
 
 }  // namespace lode::tetra_mt::midpoint

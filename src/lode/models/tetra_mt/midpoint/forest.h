@@ -60,6 +60,8 @@ class Forest {
   [[nodiscard]] Vec3d position(std::uint32_t label, const Code& code) const;
   [[nodiscard]] double value(std::uint32_t label, const Code& code, std::size_t field = 0) const;
 
+  /// Of a file's: a page; none where it cannot be loaded.
+  [[nodiscard]] const ForestPage* page(std::uint32_t number) const;
   /// Fails where something could not be loaded: nodes of such pages are as if they had nothing.
   [[nodiscard]] Result<void> check() const;
   /// What the paper counts, of what is in memory: links, offsets, values, masks and facts; of pages
@@ -73,8 +75,6 @@ class Forest {
   struct Pages;
   struct FieldPages;
 
-  /// None where it cannot be loaded.
-  [[nodiscard]] const ForestPage* page(std::uint32_t number) const;
   const ForestPage* load(std::uint32_t number) const;
   /// Likewise, of a field but the first.
   [[nodiscard]] const FieldPage* page(std::size_t field, std::uint32_t number) const;

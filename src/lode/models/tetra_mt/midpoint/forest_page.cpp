@@ -48,18 +48,18 @@ ForestContent content_of(const Hierarchy& hierarchy, std::uint32_t page) {
   return content;
 }
 
-FieldPage field_page_of(const Hierarchy& hierarchy, const FurtherField& field, std::uint32_t page) {
+FieldPage field_page_of(const ForestHead& head, const ForestPage& nodes, const FurtherField& field,
+                        std::uint32_t page) {
   FieldPage made;
   const auto facts_of = [&](std::uint32_t child) {
-    return hierarchy.is_leaf(child) ? 0 : field.nodes[child - hierarchy.n_vertices].facts();
+    return head.is_leaf(child) ? 0 : field.nodes[child - head.n_vertices].facts();
   };
-  for (std::uint32_t place = 0; place < hierarchy.pages.n_nodes_of(page); ++place) {
-    const std::uint32_t node = hierarchy.pages.node_at(page, place);
-    const FieldRecord& record = field.nodes[node];
-    const auto [first, second] = hierarchy.children(node);
+  for (std::uint32_t place = 0; place < head.pages.n_nodes_of(page); ++place) {
+    const FieldRecord& record = field.nodes[head.pages.node_at(page, place)];
+    const auto [first, second] = nodes.children(place);
     made.nodes.push_back({record.difference, record.place(), {facts_of(first), facts_of(second)}});
   }
-  made.exact = exact_of(field.exact, hierarchy.pages, page);
+  made.exact = exact_of(field.exact, head.pages, page);
   return made;
 }
 

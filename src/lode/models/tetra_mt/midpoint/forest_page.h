@@ -46,9 +46,6 @@ struct FieldPage {
   friend bool operator==(const FieldPage&, const FieldPage&) = default;
 };
 
-[[nodiscard]] FieldPage field_page_of(const Hierarchy& hierarchy, const FurtherField& field,
-                                      std::uint32_t page);
-
 /// The same in memory, with links of 16 bits: about 42 bytes a node.
 class ForestPage {
  public:
@@ -111,5 +108,9 @@ class ForestPage {
   std::vector<std::uint32_t> mixed_;  ///< Places with regions, ascending,
   Lists<std::uint32_t> regions_;      ///< and these.
 };
+
+/// `nodes`: the page.
+[[nodiscard]] FieldPage field_page_of(const ForestHead& head, const ForestPage& nodes,
+                                      const FurtherField& field, std::uint32_t page);
 
 }  // namespace lode::tetra_mt::midpoint

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -67,6 +69,11 @@ struct Children {
 [[nodiscard]] inline double with_offset(double coded, double offset) {
   return offset == 0 && std::signbit(offset) ? offset : coded + offset;
 }
+/// What with_offset() takes to come from one to the other: none where they are the same bits.
+[[nodiscard]] inline std::optional<double> offset_between(double coded, double exact) {
+  if (std::bit_cast<std::uint64_t>(coded) == std::bit_cast<std::uint64_t>(exact)) return {};
+  return exact == coded ? exact : exact - coded;
+}
 struct LeafOffset {
   std::array<double, 4> axes{};  ///< Position, and value of the first field.
 
@@ -112,7 +119,8 @@ using ExactValues = LeafOffsets<double>;  ///< Of a further field.
 struct ForestField {
   std::string name;
   ScalarType type = ScalarType::float64;
-  double low = 0;  ///< Of all vertices of the mesh.
+  std::optional<double> time{};  ///< Of a series.
+  double low = 0;                ///< Of all vertices of the mesh.
   double high = 0;
   double base_error = 0;  ///< Largest |F - F'| at vertices of the mesh, on the base.
   Scale scale{};
@@ -141,7 +149,8 @@ struct ForestHead {
   std::uint32_t n_base_leaves = 0;  ///< Of these the first, which are in the base.
   std::uint32_t n_inner = 0;        ///< Vertices that collapses made.
   std::vector<ForestField> fields;  ///< At least one. The first lies with the nodes.
-  double boundary_deviation = 0;    ///< EdgeCollapses'.
+  double boundary_deviation = 0;    ///< EdgeCollapses',
+  double boundary_tolerance = 0;    ///< likewise.
   Box3d box{};                      ///< Of all vertices.
   std::uint64_t n_cells = 0;
   Scales scales;
@@ -152,6 +161,7 @@ struct ForestHead {
   /// there is one region at most and no patch.
   std::vector<std::uint32_t> base_regions;
   std::uint64_t n_base_cells = 0;         ///< Without those to the vertex outside.
+  std::uint32_t n_coincident_leaves = 0;  ///< Those that lie where others do, bit for bit.
   std::vector<std::uint32_t> roots;       ///< Labels of the base's vertices, ascending,
   std::vector<Code> root_codes;           ///< their codes, of the first field,
   std::vector<std::uint32_t> root_facts;  ///< and facts, 0 of leaves.
@@ -180,6 +190,7 @@ struct ForestHead {
 /// but counts as smaller than all.
 struct Hierarchy : ForestHead {
   std::vector<std::uint32_t> mesh_vertices;             ///< By leaf: its number in the mesh.
+  std::vector<std::uint32_t> coincident_leaves;         ///< In by_place()'s order of the mesh's.
   std::vector<PageCounts> page_counts;                  ///< LabelOrder's counts of its pages,
   std::vector<std::vector<std::uint32_t>> page_levels;  ///< and their levels.
   /// By label: of a second child the parent, of a first one its sibling, which has a smaller label;

@@ -1,17 +1,16 @@
 // Does the collapses again, and notes what undoes them.
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "lode/models/tetra_mt/face_labels.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/midpoint/coincident.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+#include "lode/models/tetra_mt/midpoint/field_records.h"
 #include "lode/models/tetra_mt/midpoint/hierarchy.h"
 #include "lode/models/tetra_mt/midpoint/label_order.h"
 #include "lode/models/tetra_mt/midpoint/star_order.h"
@@ -19,19 +18,14 @@
 namespace lode::tetra_mt::midpoint {
 namespace {
 
-bool is_same(double a, double b) {
-  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-}
-/// What with_offset() takes to come from one to the other, which differs.
-double between(double coded, double exact) { return exact == coded ? exact : exact - coded; }
-
 class HierarchyMaker {
  public:
   HierarchyMaker(const TetraMesh& mesh, const EdgeCollapses& collapses)
       : mesh_(mesh),
         collapses_(collapses),
         n_fields_(mesh.fields.size()),
-        n_(static_cast<std::uint32_t>(mesh.positions.size())) {}
+        n_(static_cast<std::uint32_t>(mesh.positions.size())),
+        first_scale_(scale_of(mesh.fields[0].values)) {}
 
   Result<Hierarchy> run(Threads threads) {
     if (std::uint64_t{n_} + collapses_.collapses.size() >= kNone)
@@ -53,7 +47,7 @@ class HierarchyMaker {
     join_regions();
     take_base(live);
     find_radii();
-    for (std::size_t field = 0; field < n_fields_; ++field) find_facts(field);
+    take_fields();
     return std::move(made_);
   }
 
@@ -78,10 +72,10 @@ class HierarchyMaker {
     return made_.position(labels_[vertex], codes_[vertex]);
   }
   void describe();
-  [[nodiscard]] ForestField described(std::size_t field) const;
   void start_leaves();
   [[nodiscard]] std::optional<LeafOffset> offset_of(std::uint32_t v) const;
   void note_offsets();
+  void note_coincident();
   void find_labels(const LiveTetrahedra& live);
   [[nodiscard]] Result<void> note_star(const LiveTetrahedra& live, std::uint32_t node,
                                        const EdgeCollapse& collapse);
@@ -90,16 +84,19 @@ class HierarchyMaker {
   void join_regions();
   void take_base(const LiveTetrahedra& live);
   void find_radii();
-  void find_facts(std::size_t field);
+  [[nodiscard]] std::vector<EdgeFacts> facts_of(std::size_t field) const;
+  void take_fields();
+  void take_first(FurtherField&& records);
 
   const TetraMesh& mesh_;
   const EdgeCollapses& collapses_;
   std::size_t n_fields_;
   std::uint32_t n_;
-  std::vector<std::uint32_t> regions_;  ///< By slot: labels_of().
-  std::vector<std::uint32_t> labels_;   ///< By slot: of the vertex there now,
-  std::vector<PositionCode> codes_;     ///< and its codes,
-  std::vector<std::int32_t> values_;    ///< those of values by field, too.
+  Scale first_scale_;                    ///< Of the first field.
+  std::vector<std::uint32_t> regions_;   ///< By slot: labels_of().
+  std::vector<std::uint32_t> labels_;    ///< By slot: of the vertex there now,
+  std::vector<PositionCode> codes_;      ///< and its code.
+  std::vector<std::uint8_t> is_turned_;  ///< By node: its first end is the one that went.
   LabelOrder order_;
   std::vector<StarTriangle> star_;
   /// By mixed node: what Hierarchy::mixed_regions says.
@@ -121,13 +118,12 @@ void HierarchyMaker::describe() {
   made_.wide.assign(n_ + std::size_t{n_nodes()}, kNone);
   made_.deep.resize(n_nodes());
   made_.nodes.resize(n_nodes());
-  made_.further.resize(n_fields_ - 1);
-  for (FurtherField& field : made_.further) field.nodes.resize(n_nodes());
-  for (std::size_t f = 0; f < n_fields_; ++f) made_.fields.push_back(described(f));
+  is_turned_.resize(n_nodes());
   centres_.resize(n_nodes());
   radii_.resize(n_nodes());
   if (n_ == 0) return;
   made_.boundary_deviation = collapses_.boundary_deviation;
+  made_.boundary_tolerance = collapses_.boundary_tolerance;
   made_.box = {mesh_.positions[0], mesh_.positions[0]};
   for (const Vec3d& p : mesh_.positions)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -136,27 +132,8 @@ void HierarchyMaker::describe() {
     }
 }
 
-ForestField HierarchyMaker::described(std::size_t field) const {
-  const MeshField& from = mesh_.fields[field];
-  ForestField made{.name = from.name, .type = from.type, .scale = scale_of(from.values)};
-  if (n_ == 0) return made;
-  made.low = std::ranges::min(from.values);
-  made.high = std::ranges::max(from.values);
-  constexpr double kRounded = 1 + 0x1p-23;  // Shares are rounded to the nearest float32.
-  for (std::size_t v = 0; v < n_; ++v) {
-    const auto error = static_cast<double>(collapses_.errors[v * n_fields_ + field]);
-    made.base_error =
-        std::max(made.base_error, kRounded * std::abs(error) * (made.high - made.low));
-  }
-  return made;
-}
-
 void HierarchyMaker::start_leaves() {
-  for (std::uint32_t v = 0; v < n_; ++v) {
-    codes_.push_back(made_.scales.code(mesh_.positions[v]));
-    for (std::size_t f = 0; f < n_fields_; ++f)
-      values_.push_back(made_.fields[f].scale.code(mesh_.fields[f].values[v]));
-  }
+  for (const Vec3d& p : mesh_.positions) codes_.push_back(made_.scales.code(p));
 }
 
 /// Without rounding: what is off by half a step at most is a multiple of the last place of what it
@@ -164,14 +141,16 @@ void HierarchyMaker::start_leaves() {
 std::optional<LeafOffset> HierarchyMaker::offset_of(std::uint32_t v) const {
   LeafOffset offset;
   bool is_off = false;
-  for (std::size_t axis = 0; axis < 4; ++axis) {
-    const double exact = axis < 3 ? mesh_.positions[v][axis] : mesh_.fields[0].values[v];
-    const double coded = axis < 3 ? made_.scales.axes()[axis].value(codes_[v][axis])
-                                  : made_.fields[0].scale.value(values_[v * n_fields_]);
-    if (is_same(exact, coded)) continue;
-    is_off = true;
-    offset.axes[axis] = between(coded, exact);
-  }
+  const auto note = [&](std::size_t axis, double coded, double exact) {
+    if (const auto between = offset_between(coded, exact)) {
+      offset.axes[axis] = *between;
+      is_off = true;
+    }
+  };
+  const Vec3d coded = made_.scales.position(codes_[v]);
+  for (std::size_t axis = 0; axis < 3; ++axis) note(axis, coded[axis], mesh_.positions[v][axis]);
+  const double value = mesh_.fields[0].values[v];
+  note(3, first_scale_.value(first_scale_.code(value)), value);
   return is_off ? std::optional(offset) : std::nullopt;
 }
 
@@ -188,25 +167,24 @@ void HierarchyMaker::find_labels(const LiveTetrahedra& live) {
   collapse_of_.resize(n_nodes());
   for (std::uint32_t k = 0; k < n_nodes(); ++k) collapse_of_[node_of(k)] = k;
   note_offsets();
+  note_coincident();
 }
 
 void HierarchyMaker::note_offsets() {
   for (std::uint32_t leaf = 0; leaf < n_; ++leaf) {
-    const std::uint32_t v = made_.mesh_vertices[leaf];
-    const bool is_root = leaf < made_.n_base_leaves;
-    if (const std::optional<LeafOffset> offset = offset_of(v)) {
-      made_.exact.add(leaf, *offset);
-      if (is_root) made_.base_exact.add(leaf, *offset);
-    }
-    for (std::size_t f = 1; f < n_fields_; ++f) {
-      const double exact = mesh_.fields[f].values[v];
-      const double coded = made_.fields[f].scale.value(values_[v * n_fields_ + f]);
-      if (is_same(exact, coded)) continue;
-      FurtherField& field = made_.further[f - 1];
-      field.exact.add(leaf, between(coded, exact));
-      if (is_root) field.roots.exact.add(leaf, between(coded, exact));
-    }
+    const std::optional<LeafOffset> offset = offset_of(made_.mesh_vertices[leaf]);
+    if (!offset) continue;
+    made_.exact.add(leaf, *offset);
+    if (leaf < made_.n_base_leaves) made_.base_exact.add(leaf, *offset);
   }
+}
+
+void HierarchyMaker::note_coincident() {
+  const std::vector<std::uint32_t> order = by_place(mesh_.positions);
+  for (const CoincidentRun& run : coincident_runs(mesh_.positions, order))
+    for (std::size_t i = run.begin; i < run.end; ++i)
+      made_.coincident_leaves.push_back(labels_[order[i]]);
+  made_.n_coincident_leaves = static_cast<std::uint32_t>(made_.coincident_leaves.size());
 }
 
 /// Which tetrahedra come of which end. Those with both ends go.
@@ -298,19 +276,7 @@ void HierarchyMaker::note_ends(std::uint32_t collapse) {
   NodeRecord& record = made_.nodes[node];
   for (std::size_t i = 0; i < 3; ++i)
     record.difference[i] = difference(codes_[first][i], codes_[second][i]);
-  for (std::size_t f = 0; f < n_fields_; ++f) {
-    const Place given = collapses_.facts[collapse * n_fields_ + f].value;
-    const Place place = is_kept_first ? given : turned(given);
-    const std::int32_t a = values_[first * n_fields_ + f];
-    const std::int32_t b = values_[second * n_fields_ + f];
-    if (f == 0) {
-      record.difference[3] = difference(a, b);
-      record.mask[1] |= static_cast<std::uint32_t>(place) << 30;
-    } else {
-      made_.further[f - 1].nodes[node] = {difference(a, b), 0, place};
-    }
-    values_[kept * n_fields_ + f] = merged(a, b, place);
-  }
+  is_turned_[node] = is_kept_first ? 0 : 1;
   made_.deep[node] = labels_[first];
   made_.wide[labels_[first]] = labels_[second];
   made_.wide[labels_[second]] = n_ + node;
@@ -334,9 +300,7 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
   for (const auto& [root, v] : there) {
     made_.roots.push_back(root);
     const PositionCode& at = codes_[v];
-    made_.root_codes.push_back({at[0], at[1], at[2], values_[v * n_fields_]});
-    for (std::size_t f = 1; f < n_fields_; ++f)
-      made_.further[f - 1].roots.codes.push_back(values_[v * n_fields_ + f]);
+    made_.root_codes.push_back({at[0], at[1], at[2], 0});
   }
   // Near ones are near in files.
   std::vector<std::pair<Tetrahedron, std::size_t>> sorted;
@@ -371,40 +335,49 @@ void HierarchyMaker::find_radii() {
   }
 }
 
-/// Likewise.
-void HierarchyMaker::find_facts(std::size_t field) {
-  double largest_error = 0;
-  for (std::size_t k = 0; k < n_nodes(); ++k)
-    largest_error = std::max(largest_error, collapses_.facts[k * n_fields_ + field].error);
-  made_.fields[field].codes = NodeCodes(mesh_.fields[field].values, largest_error);
-  const NodeCodes& codes = made_.fields[field].codes;
-  std::vector<std::uint32_t> words(n_nodes());
+/// By node.
+std::vector<EdgeFacts> HierarchyMaker::facts_of(std::size_t field) const {
+  std::vector<EdgeFacts> facts;
   for (std::uint32_t node = 0; node < n_nodes(); ++node) {
-    const EdgeFacts& own = collapses_.facts[std::size_t{collapse_of_[node]} * n_fields_ + field];
-    NodeCodes::Parts all{codes.error_code(own.error), codes.low_code(own.low),
-                         codes.high_code(own.high), radius_codes_[node]};
-    const auto [first, second] = made_.children(node);
-    for (const std::uint32_t child : {first, second}) {
-      if (made_.is_leaf(child)) continue;
-      const NodeCodes::Parts below = NodeCodes::parts(words[child - n_]);
-      all.error = std::max(all.error, below.error);
-      all.low = std::min(all.low, below.low);
-      all.high = std::max(all.high, below.high);
-    }
-    words[node] = NodeCodes::word(all);
-    if (field == 0) {
-      made_.nodes[node].facts = words[node];
-    } else {
-      FieldRecord& record = made_.further[field - 1].nodes[node];
-      record = {record.difference, words[node], record.place()};
-    }
+    facts.push_back(collapses_.facts[std::size_t{collapse_of_[node]} * n_fields_ + field]);
+    if (is_turned_[node] != 0) facts.back().value = turned(facts.back().value);
   }
-  for (const std::uint32_t root : made_.roots) {
-    const std::uint32_t word = made_.is_leaf(root) ? 0 : words[root - n_];
-    if (field == 0)
-      made_.root_facts.push_back(word);
+  return facts;
+}
+
+void HierarchyMaker::take_fields() {
+  std::vector<Children> children;
+  for (std::uint32_t node = 0; node < n_nodes(); ++node) children.push_back(made_.children(node));
+  const FieldTrees trees{made_.mesh_vertices, children, made_.roots, made_.n_base_leaves};
+  for (std::size_t f = 0; f < n_fields_; ++f) {
+    const MeshField& field = mesh_.fields[f];
+    FieldRecords records = make_field(trees, field, facts_of(f),
+                                      base_error_of(collapses_.errors, f, n_fields_, field));
+    made_.fields.push_back(std::move(records.head));
+    if (f == 0)
+      take_first(std::move(records.records));
     else
-      made_.further[field - 1].roots.facts.push_back(NodeCodes::without_ball(word));
+      made_.further.push_back(std::move(records.records));
+  }
+}
+
+/// Lies with the nodes, and the balls with it.
+void HierarchyMaker::take_first(FurtherField&& records) {
+  const auto with_ball = [&](std::uint32_t facts, std::uint32_t node) {
+    return NodeCodes::with_ball_of(facts, NodeCodes::word({.radius = radius_codes_[node]}));
+  };
+  for (std::uint32_t node = 0; node < n_nodes(); ++node) {
+    const FieldRecord& from = records.nodes[node];
+    NodeRecord& record = made_.nodes[node];
+    record.difference[3] = from.difference;
+    record.mask[1] |= static_cast<std::uint32_t>(from.place()) << 30;
+    record.facts = with_ball(from.facts(), node);
+  }
+  for (std::size_t i = 0; i < made_.roots.size(); ++i) {
+    const std::uint32_t root = made_.roots[i];
+    made_.root_codes[i][3] = records.roots.codes[i];
+    made_.root_facts.push_back(made_.is_leaf(root) ? 0
+                                                   : with_ball(records.roots.facts[i], root - n_));
   }
 }
 

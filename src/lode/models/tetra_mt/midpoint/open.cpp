@@ -139,7 +139,8 @@ class ForestBaseReader {
   ForestHead& head_;
 };
 
-/// That what fields have is there, so that what is asked for later is in the file.
+/// That what fields have is there, and what tells leaves apart, so that what is asked for later is
+/// in the file.
 Result<void> check_fields(const store::Reader& reader, const ForestHead& head) {
   const std::uint32_t n_parts =
       static_cast<std::uint32_t>((head.roots.size() + kBasePart - 1) / kBasePart);
@@ -147,6 +148,8 @@ Result<void> check_fields(const store::Reader& reader, const ForestHead& head) {
     if (reader.find(key)) return {};
     return fail("{}: expected {}, found none", reader.path(), store::describe(key));
   };
+  for (std::uint32_t first = 0; first < head.n_coincident_leaves; first += kBasePart)
+    LODE_CHECK(check(key_of(Kind::coincident_leaves, first / kBasePart)));
   for (std::size_t f = 1; f < head.fields.size(); ++f) {
     for (std::uint32_t part = 0; part < n_parts; ++part)
       LODE_CHECK(check(key_of(Kind::field_roots, part, f)));
@@ -154,6 +157,25 @@ Result<void> check_fields(const store::Reader& reader, const ForestHead& head) {
       LODE_CHECK(check(key_of(Kind::field_page, page, f)));
   }
   return {};
+}
+
+Result<std::vector<std::uint32_t>> read_coincident(const store::Reader& reader, std::uint32_t n,
+                                                   std::uint32_t n_vertices) {
+  std::vector<std::uint32_t> leaves;
+  std::vector<bool> is_there(n_vertices, false);
+  LODE_CHECK(read_parts(reader, n, keys_of(Kind::coincident_leaves),
+                        [&](StreamReader& in, std::size_t n_here) -> Result<void> {
+                          LODE_TRY(const auto labels, read_differences_of(in, n_here));
+                          for (const std::uint32_t leaf : labels) {
+                            if (leaf >= n_vertices || is_there[leaf])
+                              return fail("{}: expected leaves below {}, each once, got {}",
+                                          in.what(), n_vertices, leaf);
+                            is_there[leaf] = true;
+                            leaves.push_back(leaf);
+                          }
+                          return {};
+                        }));
+  return leaves;
 }
 
 }  // namespace
@@ -195,7 +217,11 @@ Result<OpenedForest> open(const std::string& path) {
     return decode_field_page(bytes, reader->path() + ": " + store::describe(key), of,
                              of.fields[field], page, nodes);
   };
-  return OpenedForest{Forest(std::move(head), std::move(load)), [reader] {
+  auto coincident_leaves = [reader, n = head.n_coincident_leaves, n_vertices = head.n_vertices] {
+    return read_coincident(*reader, n, n_vertices);
+  };
+  return OpenedForest{Forest(std::move(head), std::move(load)), std::move(coincident_leaves),
+                      [reader] {
                         return FileReads{reader->reads().n_bytes, reader->file_size()};
                       }};
 }

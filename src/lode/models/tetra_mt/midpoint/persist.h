@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "lode/core/progress.h"
 #include "lode/models/tetra_mt/midpoint/forest.h"
@@ -17,6 +18,8 @@ inline constexpr std::string_view kModelName = "tetra_mt_midpoint";
 /// A hierarchy whose pages come from a file.
 struct OpenedForest {
   Forest forest;
+  /// Hierarchy's; labels of leaves, each once.
+  std::function<Result<std::vector<std::uint32_t>>()> coincident_leaves;
   std::function<FileReads()> reads;
 };
 

@@ -62,8 +62,14 @@ Result<void> append_base(const Hierarchy& head, store::Writer& writer) {
   }));
   LODE_CHECK(append(Kind::roots, head.roots.size(), kBasePart,
                     [&](auto first, auto n) { return encode_roots(head, first, n); }));
-  return append(Kind::base_tetrahedra, head.base.size(), kBasePart,
-                [&](auto first, auto n) { return encode_tetrahedra(head, first, n); });
+  LODE_CHECK(append(Kind::base_tetrahedra, head.base.size(), kBasePart,
+                    [&](auto first, auto n) { return encode_tetrahedra(head, first, n); }));
+  return append(Kind::coincident_leaves, head.coincident_leaves.size(), kBasePart,
+                [&](auto first, auto n) {
+                  StreamWriter out;
+                  write_differences_of(std::span(head.coincident_leaves).subspan(first, n), out);
+                  return std::move(out).take();
+                });
 }
 
 /// Encodes pages side by side, and appends them in their order. `encode(page)`: its bytes.
@@ -87,32 +93,38 @@ Result<void> append_pages(std::uint32_t n_pages, Kind kind, std::size_t field, T
 
 }  // namespace
 
+Result<void> append_field(const ForestHead& head, std::size_t field, const FurtherField& records,
+                          const NodesOf& nodes_of, Threads threads, store::Writer& writer,
+                          Progress& progress) {
+  LODE_CHECK(append_parts(
+      head.roots.size(), kBasePart,
+      [&](std::uint32_t part) { return key_of(Kind::field_roots, part, field); },
+      [&](auto first, auto n) { return encode_field_roots(records.roots, head, first, n); },
+      writer));
+  return append_pages(
+      head.pages.n_pages(), Kind::field_page, field, threads,
+      [&](std::uint32_t page) {
+        const ForestPage nodes = nodes_of(page);
+        return encode_field_page(field_page_of(head, nodes, records, page), head,
+                                 head.fields[field], page, nodes);
+      },
+      writer, progress);
+}
+
 Result<std::uint64_t> save(const Hierarchy& hierarchy, const std::string& path, Threads threads,
                            Progress& progress) {
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
   LODE_CHECK(append_base(hierarchy, writer));
-  const std::uint32_t n_pages = hierarchy.pages.n_pages();
   LODE_CHECK(append_pages(
-      n_pages, Kind::page, 0, threads,
+      hierarchy.pages.n_pages(), Kind::page, 0, threads,
       [&](std::uint32_t page) { return encode_page(content_of(hierarchy, page), hierarchy, page); },
       writer, progress));
-  for (std::size_t f = 1; f < hierarchy.fields.size(); ++f) {
-    const FurtherField& field = hierarchy.further[f - 1];
-    LODE_CHECK(append_parts(
-        hierarchy.roots.size(), kBasePart,
-        [&](std::uint32_t part) { return key_of(Kind::field_roots, part, f); },
-        [&](auto first, auto n) { return encode_field_roots(field.roots, hierarchy, first, n); },
-        writer));
-    LODE_CHECK(append_pages(
-        n_pages, Kind::field_page, f, threads,
-        [&](std::uint32_t page) {
-          const ForestPage nodes(content_of(hierarchy, page), hierarchy.pages, page,
-                                 hierarchy.n_vertices);
-          return encode_field_page(field_page_of(hierarchy, field, page), hierarchy,
-                                   hierarchy.fields[f], page, nodes);
-        },
-        writer, progress));
-  }
+  const auto nodes_of = [&](std::uint32_t page) {
+    return ForestPage(content_of(hierarchy, page), hierarchy.pages, page, hierarchy.n_vertices);
+  };
+  for (std::size_t f = 1; f < hierarchy.fields.size(); ++f)
+    LODE_CHECK(
+        append_field(hierarchy, f, hierarchy.further[f - 1], nodes_of, threads, writer, progress));
   writer.set_metadata(encode_head(hierarchy));
   return writer.finish(progress);
 }
