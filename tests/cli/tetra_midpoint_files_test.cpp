@@ -23,6 +23,14 @@ TEST_F(cli_tetra_placement, has_files_that_answer_as_memory_does) {
   const nlohmann::json built = done({"build", input_, model, "--placement", "midpoint"});
   EXPECT_EQ(built.at("placement"), "midpoint");
   EXPECT_EQ(built.at("fields").size(), 1U);
+  // Each vertex of the base is kept by a rule; each node makes one vertex two.
+  std::uint64_t n_kept = 0;
+  for (const auto& [rule, n] : built.at("base_vertices_kept").items())
+    n_kept += n.get<std::uint64_t>();
+  EXPECT_EQ(n_kept,
+            built.at("vertices").get<std::uint64_t>() - built.at("nodes").get<std::uint64_t>());
+  const Finished said = run_lode({"build", input_, model, "--placement", "midpoint"});
+  EXPECT_NE(said.out.find("base vertices kept"), std::string::npos) << said.out;
   const nlohmann::json info = done({"info", model});
   for (const char* key : {"placement", "cells", "vertices", "nodes", "base_cells", "range",
                           "base_error", "bounds", "boundary_deviation"})

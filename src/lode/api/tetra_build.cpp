@@ -104,7 +104,7 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
                                                .threads = options.threads},
                                               progress));
   LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));
-  return BuiltMidpoints{std::move(hierarchy), collapses.volume_change};
+  return BuiltMidpoints{std::move(hierarchy), collapses.volume_change, collapses.refusals};
 }
 
 namespace {
@@ -115,6 +115,7 @@ Result<TetraFileReport> build_midpoint_file(const TetraMesh& mesh, const std::st
   LODE_TRY(const BuiltMidpoints made, build_midpoints(mesh, options, progress));
   TetraFileReport report;
   report.volume_change = made.volume_change;
+  report.refusals = named(made.refusals);
   report.build_seconds = watch.seconds();
   report.info = info_of(made.hierarchy);
   const Stopwatch write_watch;

@@ -18,6 +18,7 @@ namespace lode {
 struct BuiltMidpoints {
   tetra_mt::midpoint::Hierarchy hierarchy;
   double volume_change = 0;  ///< The base's volume less the reference's.
+  tetra_mt::RefusalCounts refusals;
 };
 [[nodiscard]] Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh,
                                                      const TetraBuildOptions& options,

@@ -12,6 +12,7 @@
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/midpoint/edge_patch.h"
 #include "lode/models/tetra_mt/midpoint/state.h"
+#include "lode/models/tetra_mt/refusals.h"
 #include "lode/models/tetra_mt/star.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -45,6 +46,10 @@ class EdgeCollapser {
   /// block, all of whose neighbours are of it. The same samples come to the same tetrahedra. False,
   /// and nothing done, where there is no such edge, or rounding leaves open what covers a sample.
   [[nodiscard]] bool repeat(const EdgeCollapse& given);
+
+  /// Of the block's vertices that are left, which must be all of the mesh, in the order of their
+  /// slots.
+  [[nodiscard]] RefusalCounts count_refusals();
 
   [[nodiscard]] std::span<const EdgeCollapse> collapses() const { return collapses_; }
   /// By collapse and field.
@@ -101,6 +106,7 @@ class EdgeCollapser {
   void find_extrema(const Star& star, std::vector<int>& found) const;
   void find_interfaces_of(const Star& star, Interfaces& found) const;
   [[nodiscard]] double height(const Star& star, const Interfaces& interfaces, int kept) const;
+  [[nodiscard]] std::optional<Rule> place_rule_of(int place);
   [[nodiscard]] std::optional<Rule> rule_of(int place);
   [[nodiscard]] std::optional<Rule> flat_rule_of(int place, double limit);
   [[nodiscard]] Rule bent_rule_of(int place, double limit);
@@ -123,6 +129,16 @@ class EdgeCollapser {
   void add_quadrics_of_star();
   [[nodiscard]] bool collapse_best(float key, float limit);
   void look_again_beside(float key, float limit);
+
+  // edge_refusals.cpp: why vertices stay.
+  /// By end of an edge: the first one's is the star's.
+  struct EdgeRefusal {
+    Refusal first;
+    Refusal second;
+  };
+  [[nodiscard]] std::optional<Refusal> refusal_of_link(std::uint32_t vertex);
+  [[nodiscard]] EdgeRefusal refusal_of_edge(int place);
+  [[nodiscard]] Refusal refusal_to_move(const Star& star, const Interfaces& interfaces) const;
 
   // edge_collapse.cpp: what a collapse does.
   [[nodiscard]] bool collapse(const Choice& choice);

@@ -156,6 +156,21 @@ class Rounds {
   std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
 };
 
+/// Of all vertices that are left. As for half edges samples are not asked for where vertices are
+/// there as no more cells had to go.
+RefusalCounts count_refusals(State& state, const EdgeCollapseOptions& options) {
+  if (static_cast<double>(state.n_cells) <= kNearBase * static_cast<double>(options.base_cells))
+    std::ranges::fill(state.first_sample, kNone);
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < state.outside; ++v)
+    if (state.is_there[v] != 0) vertices.push_back(v);
+  std::vector<std::uint32_t> slots;
+  for (std::uint32_t slot = 0; slot < state.tetrahedra.size(); ++slot)
+    if (state.tetrahedra[slot][0] != kNone) slots.push_back(slot);
+  std::vector<std::uint32_t> places(state.outside + std::size_t{1});
+  return EdgeCollapser(state, vertices, slots, places).count_refusals();
+}
+
 }  // namespace
 
 Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOptions& options,
@@ -171,6 +186,7 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
   LODE_CHECK(Rounds(options, state).run(progress));
   EdgeCollapses result;
   result.n_base_cells = state.n_cells;
+  result.refusals = count_refusals(state, options);
   for (std::size_t slot = 0; slot < state.deviations.size(); ++slot)
     if (state.tetrahedra[slot][0] != kNone)
       result.boundary_deviation = std::max(result.boundary_deviation, state.deviations[slot]);

@@ -7,6 +7,7 @@
 #include "lode/core/result.h"
 #include "lode/core/tetra_mesh.h"
 #include "lode/models/tetra_mt/midpoint/state.h"
+#include "lode/models/tetra_mt/refusals.h"
 
 namespace lode::tetra_mt::midpoint {
 
@@ -30,6 +31,7 @@ struct EdgeCollapses {
   double boundary_deviation = 0;  ///< As HalfEdgeCollapses'.
   double volume_change = 0;       ///< The base's volume less the reference's.
   double boundary_tolerance = 0;  ///< The options'.
+  RefusalCounts refusals;         ///< Of the base's vertices.
 };
 
 /// Collapses edges to their midpoints until few cells are left, or none may go: the edge first

@@ -124,16 +124,22 @@ std::optional<EdgeCollapser::Rule> EdgeCollapser::flat_rule_of(int place, double
 }
 
 /// Flat where that is possible, as nothing moves then.
-std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) {
+std::optional<EdgeCollapser::Rule> EdgeCollapser::place_rule_of(int place) {
   const double before =
       std::max(deviation(star_, interfaces_), deviation(other_, other_interfaces_));
   const double limit = state_.deviation_limit - before;
   auto rule = flat_rule_of(place, limit);
   if ((!rule || !(rule->moved <= limit)) && state_.boundary_tolerance > 0)
     rule = bent_rule_of(place, limit);
-  if (!rule || !(rule->moved <= limit) || !find_value_places(rule->position)) return {};
+  if (!rule || !(rule->moved <= limit)) return {};
   rule->moved += before;
   return rule;
+}
+
+/// With the places of values.
+std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) {
+  const auto rule = place_rule_of(place);
+  return rule && find_value_places(rule->position) ? rule : std::nullopt;
 }
 
 /// Expects the link condition of the mesh.
