@@ -161,6 +161,19 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
   return outcome;
 }
 
+/// Points that were welded where faces do not match.
+template <typename Refusals>
+void warn_of_seams(const TetraReport& report, const Refusals& refusals, Session& session) {
+  if (report.n_welded_points == 0) return;
+  for (const auto& [rule, n] : refusals)
+    if (rule == "non-manifold" && n > 0)
+      session.warn(fmt::format(
+          "--weld: {} vertices have more than one fan of cells round them, and stay in the base: "
+          "where the faces on both sides of a seam are cut differently, welding its points joins "
+          "no cells; without --weld the sides stay apart",
+          format_count(n)));
+}
+
 }  // namespace
 
 void add_fields(const TetraInfo& info, Table& table, Json& json) {
@@ -216,6 +229,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
       return built.error();
     return fail("{}: {}", job.input, built.error().message);
   }
+  warn_of_seams(made.report, built->refusals, session);
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "build";
@@ -231,7 +245,8 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   std::string kept;
   for (const auto& [rule, n_kept] : built->refusals) {
     json["base_vertices_kept"][rule] = n_kept;
-    kept += fmt::format("{}{} {}", kept.empty() ? "" : ", ", format_count(n_kept), rule);
+    kept += fmt::format("{}{} {}", kept.empty() ? "" : ", ", format_count(n_kept),
+                        rule == "limit" ? "within the cells asked for" : rule);
   }
   if (!kept.empty()) table.add({"base vertices kept", kept});
   table.add({"boundary moved", format_number(built->info.boundary_deviation) + " at most"});

@@ -188,6 +188,8 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
 
 Result<void> check_mesh_job(const MeshJob& job) {
   if (job.query.is_boundary) return fail("--boundary: expected a mesh of cells, got {}", job.input);
+  if (!job.query.opacity.empty())
+    return fail("--opacity: expected a mesh of cells, got {}", job.input);
   if (!job.query.threshold.empty())
     return fail("--threshold: expected a mesh of cells, got {}", job.input);
   if (job.query.sections.size() > 1)

@@ -1,5 +1,6 @@
 #include "extract_tetra.h"
 
+#include "lode/api/mesh_picture.h"
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
@@ -131,7 +132,8 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
       {"max error",
        format_number(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
-  table.add({"achieved error", format_number(made.achieved_error) + ' ' + place});
+  table.add({"achieved error", format_number(made.achieved_error) + ' ' + place +
+                                   (job.query.opacity.empty() ? "" : kWhereShown)});
   if (info.boundary_deviation > 0)
     table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
   if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
@@ -213,6 +215,16 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   return made;
 }
 
+/// What a transfer function shows; its presets go by the field's range.
+Result<void> add_opacity(const MeshJob& job, const TetraInput& input, Query& query) {
+  if (job.query.opacity.empty()) return {};
+  MeshPictureOptions shown;
+  LODE_TRY(shown.opacity, to_transfer_function(job.query.opacity, input.dataset.describe().bounds,
+                                               {input.field().range_min, input.field().range_max}));
+  query.opacity = query_of(shown).opacity;
+  return {};
+}
+
 void warn_of_empty(Session& session, const MeshJob& job, bool is_empty) {
   if (!is_empty) return;
   const bool has_threshold = !job.query.threshold.empty();
@@ -245,6 +257,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   TetraMeshOptions options = wanted.mesh;
   LODE_TRY(options.regions, wanted_regions(job, input));
   set_shares(job, field, options.query);
+  LODE_CHECK(add_opacity(job, input, options.query));
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
@@ -282,6 +295,7 @@ Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
     options.threads = session.threads();
   }
   set_shares(job, input.field(), options.query);
+  LODE_CHECK(add_opacity(job, input, options.query));
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_CHECK(input.dataset.extract_mesh(options, mesh, session.progress()));
@@ -293,6 +307,7 @@ Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& 
   wanted.mesh.fields = wanted.sections.fields = wanted.surface.fields = input.fields;
   const TetraFieldInfo& field = input.field();
   set_shares(job, field, wanted.mesh.query);
+  LODE_CHECK(add_opacity(job, input, wanted.mesh.query));
   set_shares(job, field, wanted.surface.query);
   set_share(job.extraction.max_error, field.range_min, field.range_max, wanted.sections.max_error);
   if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
@@ -385,8 +400,12 @@ Result<void> check_tetra_job(const MeshJob& job) {
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   if (!job.memory_limit.empty())
     return fail("--memory-limit: expected none with a mesh of cells, which is built in memory");
-  if (job.query.view.empty()) return check_paths_differ({job.input}, {job.output});
-  return check_paths_differ({job.input, job.query.view}, {job.output});
+  std::vector<std::string> inputs{job.input};
+  if (!job.query.view.empty()) inputs.push_back(job.query.view);
+  LODE_CHECK(check_opacity(job.query.opacity));
+  if (!job.query.opacity.empty() && !is_transfer_preset(job.query.opacity))
+    inputs.push_back(job.query.opacity);
+  return check_paths_differ(inputs, {job.output});
 }
 
 Result<Outcome> run_tetra_job(const MeshJob& job, Session& session) {

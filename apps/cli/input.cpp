@@ -98,8 +98,8 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 bool ReadingArguments::is_empty() const {
   return field.empty() && with.empty() && component.empty() && time.empty() && nodata.empty() &&
          dims.empty() && type.empty() && spacing.empty() && origin.empty() && byte_order.empty() &&
-         weld.empty() && weld_values.empty() && linearise.empty() && solution.empty() &&
-         placement.empty() && order.empty() && !is_fast;
+         weld.empty() && weld_values.empty() && linearise.empty() && region_field.empty() &&
+         solution.empty() && placement.empty() && order.empty() && !is_fast;
 }
 
 std::string ReadingArguments::component_number() const {
@@ -113,7 +113,10 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
                           const char* help) {
     app.add_option(name, value, help)->type_name(type)->group("Reading other formats");
   };
-  add("--field", arguments.field, "NAME", "Array to read, where a file holds several");
+  add("--field", arguments.field, "NAME",
+      "Array to read, where a file holds several; NAME:xyz of a mesh of cells: the three scalars "
+      "of "
+      "a vector, of which the first is asked about");
   app.add_option(
          "--with", arguments.with,
          "Of a mesh of cells: a further field, which the answer has, too; NAME:x, y or z is "
@@ -138,6 +141,11 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
       "... where all fields differ by no more than this (default: 0); others stay apart");
   add("--linearise", arguments.linearise, "corners",
       "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
+  add("--region-field", arguments.region_field, "NAME",
+      "Of a mesh of cells: the field of its cells whose whole numbers are regions (default: the "
+      "first of Material, MaterialId, RegionId, BlockId and the like); RegionId: the blocks of "
+      "what "
+      "lode-vtk-import reads, with their names");
   add("--solution", arguments.solution, "FILE",
       "Of a MEDIT mesh: .sol or .solb with values at its vertices (default: that of its name)");
   add("--placement", arguments.placement, "half-edge|midpoint",
@@ -155,10 +163,11 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
 
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
   if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty() ||
-      !arguments.with.empty() || !arguments.placement.empty() || !arguments.order.empty() ||
-      arguments.is_fast || !arguments.solution.empty())
+      !arguments.region_field.empty() || !arguments.with.empty() || !arguments.placement.empty() ||
+      !arguments.order.empty() || arguments.is_fast || !arguments.solution.empty())
     return fail(
-        "--with, --weld, --weld-values, --linearise, --solution, --placement, --order and --fast: "
+        "--with, --weld, --weld-values, --linearise, --region-field, --solution, --placement, "
+        "--order and --fast: "
         "expected a mesh of cells with them");
   ReadOptions options;
   options.threads = threads;

@@ -27,6 +27,7 @@ struct ReadingArguments {
   std::string weld;  ///< This and the next two are of meshes of cells.
   std::string weld_values;
   std::string linearise;
+  std::string region_field;
   std::string solution;  ///< Of MEDIT meshes.
   std::string placement;
   std::string order;

@@ -128,6 +128,9 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "With --mesh or --boundary of a mesh of cells: only cells whose values lie from A to B at "
       "all "
       "corners; without another focus accurate where the field may be in it");
+  add("--opacity", arguments.opacity, "PRESET|FILE",
+      "With --mesh or --boundary of a mesh of cells: accurate as far as render's --opacity shows "
+      "it; errors count as much as the extinction is of the largest");
   add_warp_options(app, arguments.warp);
   add("--region", arguments.regions, "NAME",
       "Only cells of a region (block, material, zone) of a mesh of cells, by its name or number "
@@ -190,6 +193,8 @@ Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells) {
     return fail("--boundary: expected no --section with it, got both");
   if (!arguments.threshold.empty() && !arguments.is_mesh && !arguments.is_boundary)
     return fail("--threshold: expected --mesh or --boundary with it, got neither");
+  if (!arguments.opacity.empty() && !arguments.is_mesh && !arguments.is_boundary)
+    return fail("--opacity: expected --mesh or --boundary with it, got neither");
   if (!arguments.view_size.empty() && arguments.view.empty())
     return fail("--view-size: expected --view with it");
   if (arguments.is_wanted()) {
@@ -220,8 +225,8 @@ Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
   if (query.isovalues.empty() && query.field_ranges.empty() && query.boxes.empty() &&
       query.balls.empty() && query.half_spaces.empty() && arguments.view.empty())
     return fail(
-        "--max-error-outside: expected --isovalue, --field-range, --box, --ball or --half-space "
-        "with it");
+        "--max-error-outside: expected --isovalue, --field-range, --box, --ball, --half-space or "
+        "--view with it");
   query.max_error_outside = outside;
   return MeshOptions{query};
 }

@@ -19,6 +19,7 @@ struct QueryArguments {
   bool is_boundary = false;
   std::vector<std::string> sections;
   std::string threshold;
+  std::string opacity;
   WarpArguments warp;
   std::vector<std::string> regions;
   std::vector<std::string> patches;

@@ -1,8 +1,6 @@
 #include "render_tetra.h"
 
 #include <cmath>
-#include <filesystem>
-#include <system_error>
 
 #include "outputs.h"
 #include "parse.h"
@@ -112,8 +110,9 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
                                   format_number(field.range_max))});
   add_reading(input, table, json);
   table.add({"max error", format_number(made.mesh.max_error)});
-  table.add({"achieved error",
-             format_number(made.mesh.achieved_error) + ' ' + name_of(field.error_place)});
+  table.add({"achieved error", format_number(made.mesh.achieved_error) + ' ' +
+                                   name_of(field.error_place) +
+                                   (job.picture.opacity.empty() ? "" : kWhereShown)});
   if (!job.picture.query.max_error_outside.empty())
     table.add({"error anywhere",
                format_number(made.mesh.largest_error) + ' ' + name_of(field.error_place)});
@@ -131,16 +130,6 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   outcome.text = table.to_string();
   json["warnings"] = session.warnings();
   return outcome;
-}
-
-/// A misspelt preset is told as such; what the file holds is looked at before the work starts.
-Result<void> check_opacity_file(const std::string& path) {
-  const auto file = read_transfer_function(path);
-  std::error_code ignored;
-  if (file) return {};
-  if (std::filesystem::exists(path, ignored)) return fail("--opacity: {}", file.error().message);
-  return fail("--opacity: expected a preset or a file of knots; {}; {}", file.error().message,
-              transfer_preset(path, {}).error().message);
 }
 
 Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
@@ -203,7 +192,8 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   };
   add("--opacity", arguments.opacity, "PRESET|FILE",
       "Direct volume rendering: viridis-smoke, smoke, bands, solid, clear-middle, or a file of "
-      "lines 'value red green blue extinction'");
+      "lines 'value red green blue extinction'; the tolerance holds where the extinction is the "
+      "largest, elsewhere errors count in proportion");
   add("--section", arguments.sections, "A,B,C,D",
       "Show the plane A x + B y + C z = D, or X,Y,Z:NX,NY,NZ; may be repeated");
   const auto add_flag = [&](const char* name, bool& value, const char* help) {
@@ -244,10 +234,9 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   std::vector<std::string> inputs{job.input};
   if (!job.camera.empty()) inputs.push_back(job.camera);
-  if (!job.picture.opacity.empty() && !is_transfer_preset(job.picture.opacity)) {
-    LODE_CHECK(check_opacity_file(job.picture.opacity));
+  LODE_CHECK(check_opacity(job.picture.opacity));
+  if (!job.picture.opacity.empty() && !is_transfer_preset(job.picture.opacity))
     inputs.push_back(job.picture.opacity);
-  }
   return check_paths_differ(inputs, outputs_of(job));
 }
 

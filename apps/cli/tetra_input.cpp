@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
+#include "lode/api/mesh_picture.h"
 #include "parse.h"
 #include "stopwatch.h"
 #include "tolerance.h"
@@ -15,6 +17,7 @@ namespace lode::cli {
 namespace {
 
 constexpr std::int64_t kMaxStep = 1'000'000'000;
+constexpr std::string_view kVector = ":xyz";
 
 Result<double> parse_weld(const char* name, const std::string& text) {
   LODE_TRY(const double number, parse_number(name, text));
@@ -40,18 +43,20 @@ std::string numbered_component(const std::string& name) {
   return name.substr(0, name.size() - 1) + std::to_string(axis);
 }
 
+/// Of NAME:xyz, all three.
+std::vector<std::string> components_of(const std::string& name) {
+  const std::string vector = name.substr(0, name.size() - kVector.size());
+  return {vector + ":0", vector + ":1", vector + ":2"};
+}
+
 /// The fields of --with; NAME:xyz is three.
 std::vector<std::string> names_of_with(const ReadingArguments& reading) {
-  constexpr std::string_view kVector = ":xyz";
   std::vector<std::string> names;
-  for (const std::string& name : reading.with) {
-    if (!name.ends_with(kVector)) {
+  for (const std::string& name : reading.with)
+    if (name.ends_with(kVector))
+      for (std::string& component : components_of(name)) names.push_back(std::move(component));
+    else
       names.push_back(numbered_component(name));
-      continue;
-    }
-    const std::string vector = name.substr(0, name.size() - kVector.size());
-    for (const char* axis : {":0", ":1", ":2"}) names.push_back(vector + axis);
-  }
   return names;
 }
 
@@ -160,6 +165,20 @@ Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& r
   return use;
 }
 
+void add_nonfinite(const TetraReport& report, Table& table, Json& json) {
+  json["nonfinite"] = Json::array();
+  std::uint64_t n = 0;
+  for (const NonfiniteField& field : report.nonfinite) {
+    n += field.n_values;
+    json["nonfinite"].push_back(
+        {{"field", field.name}, {"values", field.n_values}, {"first_point", field.first}});
+    table.add({"values that are not finite",
+               fmt::format("{}: {}, the first at point {} from 0", field.name,
+                           format_count(field.n_values), field.first)});
+  }
+  json["nonfinite_values"] = n;
+}
+
 /// What means over cells did to the peaks of their fields.
 void add_averaged(const TetraReport& report, Table& table, Json& json) {
   json["averaged"] = Json::array();
@@ -190,15 +209,23 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   if (!reading.linearise.empty() && reading.linearise != "corners")
     return fail("--linearise: expected 'corners', got '{}'", reading.linearise);
   if (!reading.linearise.empty()) options.quadratic = QuadraticCells::corners;
+  if (!reading.region_field.empty()) options.region_field = reading.region_field;
   if (reading.field.empty() && !reading.component.empty())
     return fail("--component: expected --field with it, got none");
   if (reading.field.empty() && !reading.with.empty())
     return fail("--with: expected --field with it, got none");
   if (reading.field.empty()) return options;
-  std::string field = numbered_component(reading.field);
-  if (!reading.component.empty() && reading.component != "magnitude")
-    field += ":" + reading.component_number();
-  options.fields = {std::move(field)};
+  if (reading.field.ends_with(kVector)) {
+    if (!reading.component.empty())
+      return fail("--component: expected none with --field {}, got {}", reading.field,
+                  reading.component);
+    options.fields = components_of(reading.field);
+  } else {
+    std::string field = numbered_component(reading.field);
+    if (!reading.component.empty() && reading.component != "magnitude")
+      field += ":" + reading.component_number();
+    options.fields = {std::move(field)};
+  }
   for (std::string& name : names_of_with(reading))
     if (std::ranges::find(options.fields, name) == options.fields.end())
       options.fields.push_back(std::move(name));
@@ -257,6 +284,7 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   others.weld.clear();
   others.weld_values.clear();
   others.linearise.clear();
+  others.region_field.clear();
   if (is_medit_path(path)) others.solution.clear();
   if (!others.solution.empty())
     return fail("--solution: expected a MEDIT mesh (.mesh or .meshb) with it, got {}", path);
@@ -267,7 +295,7 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   if (!others.is_empty() || others.salvage)
     return fail(
         "{}: expected no options of reading but --field, --with, --component, --weld, "
-        "--weld-values, --linearise, --placement, --order and --fast, got others",
+        "--weld-values, --linearise, --region-field, --placement, --order and --fast, got others",
         path);
   return {};
 }
@@ -278,6 +306,17 @@ Result<QueryArguments> without_share(const QueryArguments& arguments) {
   LODE_CHECK(parse_tolerance("--max-error-outside", made.max_error_outside));
   made.max_error_outside = "0";
   return made;
+}
+
+Result<void> check_opacity(const std::string& preset_or_path) {
+  if (preset_or_path.empty() || is_transfer_preset(preset_or_path)) return {};
+  const auto file = read_transfer_function(preset_or_path);
+  std::error_code ignored;
+  if (file) return {};
+  if (std::filesystem::exists(preset_or_path, ignored))
+    return fail("--opacity: {}", file.error().message);
+  return fail("--opacity: {}; nor is there a file of that name",
+              transfer_preset(preset_or_path, {}).error().message);
 }
 
 namespace {
@@ -300,6 +339,24 @@ std::string why_missing(const CellMesh& cells, const std::string& field) {
   return {};
 }
 
+/// NAME:xyz is all of a vector.
+Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& reading) {
+  std::vector<std::string> names{reading.field};
+  names.insert(names.end(), reading.with.begin(), reading.with.end());
+  for (const std::string& name : names) {
+    if (!name.ends_with(kVector)) continue;
+    const std::string vector = name.substr(0, name.size() - kVector.size());
+    for (const auto* fields : {&cells.point_fields, &cells.cell_fields}) {
+      const auto field = std::ranges::find(*fields, vector, &MeshField::name);
+      if (field == fields->end()) continue;
+      if (field->n_components == 3) break;
+      return fail("{}: expected a field of three components, {} has {}", name, vector,
+                  field->n_components);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
@@ -309,12 +366,20 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
   if (!reading.time.empty() && !needs_vtk_import(path) && cells.times.empty())
     return fail("{}: expected no --time, as it has no field at several times, got {}", path,
                 reading.time);
+  LODE_CHECK(check_vectors(cells, reading));
   const std::string why = why_missing(cells, reading.field);
   std::string names;
   for (const auto* fields : {&cells.point_fields, &cells.cell_fields})
     for (const MeshField& field : *fields) names += (names.empty() ? "" : ", ") + field.name;
   auto made = to_tetrahedra(std::move(cells), options);
   if (!made) return fail("{}{}", made.error().message, why);
+  if (!made->report.nonfinite.empty()) {
+    const NonfiniteField& field = made->report.nonfinite.front();
+    return fail(
+        "{}: field {}: expected finite values, got {} that {} not, the first at point {} "
+        "(from 0)",
+        path, field.name, field.n_values, field.n_values > 1 ? "are" : "is", field.first);
+  }
   if (!reading.field.empty() || made->mesh.fields.size() == 1) return made;
   return fail("{}: expected --field to name one of its fields ({}), got none{}", path,
               names.empty() ? "there are none" : names, why);
@@ -370,7 +435,7 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
     const char* name;
     std::uint64_t n;
   };
-  const std::array<Count, 18> counts{
+  const std::array<Count, 17> counts{
       {{"ghost_cells", "ghost cells left out", report.n_ghost_cells},
        {"hidden_cells", "hidden cells left out", report.n_hidden_cells},
        {"lower_cells", "points, lines and faces left out", report.n_lower_cells},
@@ -387,13 +452,13 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
        {"left_handed", "left-handed cells turned", report.n_left_handed},
        {"turned_wedges", "wedges turned", report.n_turned_wedges},
        {"inverted", "inverted cells", report.n_inverted},
-       {"nonfinite_values", "values that are not finite", report.n_nonfinite_values},
        {"components", "components", report.n_components}}};
   for (const Count& count : counts) {
     json[count.key] = count.n;
     const std::uint64_t usual = std::string_view(count.key) == "components" ? 1 : 0;
     if (count.n > usual) table.add({count.name, format_count(count.n)});
   }
+  add_nonfinite(report, table, json);
   json["regions_not_taken"] = report.regions_not_taken;
   for (const std::string& field : report.regions_not_taken)
     table.add({"not taken for regions", field});

@@ -62,6 +62,12 @@ struct TetraInput {
 /// has the right one when the field is there.
 [[nodiscard]] Result<QueryArguments> without_share(const QueryArguments& arguments);
 
+/// A misspelt preset is told as such; what a file holds is looked at before the work starts. An
+/// empty text is none.
+[[nodiscard]] Result<void> check_opacity(const std::string& preset_or_path);
+/// What is said of an error that a transfer function weighs.
+inline constexpr const char* kWhereShown = ", that counts as much as the extinction does there";
+
 /// Opens a .lode file, or builds the hierarchy of a foreign file's cells in memory and says so on
 /// stderr.
 [[nodiscard]] Result<TetraInput> open_tetra_input(const std::string& path,

@@ -103,7 +103,13 @@ TEST(tetra_fields, that_are_not_finite_are_counted) {
   CellMesh mesh = field_mesh();
   mesh.point_fields[0].values[1] = std::numeric_limits<double>::infinity();
   mesh.point_fields[2].values[4] = std::nan("");
-  EXPECT_EQ(tetrahedra_of(mesh).report.n_nonfinite_values, 2U);
+  const auto found = tetrahedra_of(mesh).report.nonfinite;
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].name, mesh.point_fields[0].name);
+  EXPECT_EQ(found[0].n_values, 1U);
+  EXPECT_EQ(found[0].first, 1U);
+  EXPECT_EQ(found[1].name, mesh.point_fields[2].name);
+  EXPECT_EQ(found[1].first, 4U);
 }
 
 TEST(tetra_regions, are_recognised_by_name_and_numbered_from_the_smallest) {

@@ -65,6 +65,7 @@ using io::Magnitude;
 using io::MeshReadOptions;
 using io::MeshWriteOptions;
 using io::Network;
+using io::NonfiniteField;
 using io::open_volume;
 using io::PointCounts;
 using io::PointReadOptions;

@@ -42,6 +42,16 @@ std::optional<std::string> region_fault(const MeshField& field) {
   return std::nullopt;
 }
 
+/// Those that a message can name.
+std::string names_of(const std::vector<MeshField>& fields) {
+  constexpr std::size_t kMost = 20;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(fields.size(), kMost); ++i)
+    names += (i > 0 ? ", " : " (") + fields[i].name;
+  if (fields.size() > kMost) names += ", ...";
+  return names.empty() ? ", of which there is none" : names + ')';
+}
+
 }  // namespace
 
 Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& options) {
@@ -62,8 +72,8 @@ Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& optio
   const std::string& name = *options.region_field;
   const std::size_t at = place_of([&](const MeshField& field) { return field.name == name; });
   if (at == fields.size())
-    return fail("{}: expected a field of the cells for regions, got {}", mesh.path,
-                in_quotes(name));
+    return fail("{}: expected a field of the cells for regions{}, got {}", mesh.path,
+                names_of(fields), in_quotes(name));
   if (const auto fault = region_fault(fields[at]))
     return fail("{}: expected whole numbers of one component for regions in {}, got {}", mesh.path,
                 in_quotes(name), *fault);

@@ -168,18 +168,23 @@ bool is_narrow(const Vec3d& p) {
 
 /// Leaves out points that no tetrahedron has.
 void take_vertices(const CellMesh& mesh, ChosenFields&& chosen, SplitCells&& split,
-                   TetraMesh& result) {
+                   TetraMesh& result, TetraReport& report) {
   const std::vector<std::uint32_t> vertices = vertices_of(mesh.points.size(), split);
   for (std::size_t i = 0; i < vertices.size(); ++i)
     if (vertices[i] != kLeftOut) result.positions.push_back(mesh.points[i]);
   result.has_narrow_positions =
       std::all_of(result.positions.begin(), result.positions.end(), is_narrow);
   for (MeshField& field : chosen.fields) {
+    NonfiniteField lacking{field.name};
     std::size_t to = 0;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      if (vertices[i] != kLeftOut) field.values[to++] = field.values[i];
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (vertices[i] == kLeftOut) continue;
+      if (!std::isfinite(field.values[i]) && lacking.n_values++ == 0) lacking.first = i;
+      field.values[to++] = field.values[i];
+    }
     field.values.resize(to);
     result.fields.push_back(std::move(field));
+    if (lacking.n_values > 0) report.nonfinite.push_back(std::move(lacking));
   }
   result.tetrahedra = std::move(split.tetrahedra);
   for (Tetrahedron& t : result.tetrahedra)
@@ -192,9 +197,6 @@ void count_vertices(std::size_t n_given, const TetraMesh& mesh, TetraReport& rep
   report.n_unused_points =
       n_given + report.n_new_points - report.n_welded_points - mesh.positions.size();
   report.n_coincident_points = count_coincident(mesh.positions);
-  for (const MeshField& field : mesh.fields)
-    report.n_nonfinite_values += static_cast<std::uint64_t>(std::count_if(
-        field.values.begin(), field.values.end(), [](double x) { return !std::isfinite(x); }));
 }
 
 Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& options) {
@@ -224,7 +226,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   turn_round(mesh, mesh.points, faces, split, report);
   average_cells(mesh.points, split, chosen, report);
   if (regions < mesh.cell_fields.size()) take_regions(mesh, regions, split, outcome.mesh);
-  take_vertices(mesh, std::move(chosen), std::move(split), outcome.mesh);
+  take_vertices(mesh, std::move(chosen), std::move(split), outcome.mesh, report);
   count_vertices(n_given, outcome.mesh, report);
   return outcome;
 }

@@ -40,6 +40,14 @@ struct AveragedField {
   double point_peak = 0;  ///< And at points.
 };
 
+/// A field that is not a finite number everywhere.
+struct NonfiniteField {
+  std::string name;
+  std::uint64_t n_values = 0;  ///< At vertices.
+  std::uint64_t first = 0;     ///< The first of their points as the file numbers them, from 0, or
+                               ///< behind these a polyhedron's centre.
+};
+
 /// What a mesh of cells had, and what became of it.
 struct TetraReport {
   std::uint64_t n_cells = 0;        ///< Three-dimensional ones.
@@ -62,7 +70,7 @@ struct TetraReport {
   std::uint64_t n_inverted = 0;       ///< Kept, of negative volume: folded over others.
   std::uint64_t n_components = 0;     ///< Connected through faces.
   std::uint64_t n_boundary_faces = 0;
-  std::uint64_t n_nonfinite_values = 0;        ///< Of fields, at vertices.
+  std::vector<NonfiniteField> nonfinite;
   std::optional<double> time{};                ///< Of the values, where the file says it.
   std::vector<std::string> skipped_arrays;     ///< Left out: of points and cells, no numbers.
   std::vector<std::string> regions_not_taken;  ///< Fields named as such, and why they are none.

@@ -126,8 +126,10 @@ Result<void> check_transfer_function(const TransferFunction& function) {
                 knots.front().value, knots.back().value);
   for (std::size_t i = 1; i < knots.size(); ++i) {
     if (!(knots[i].value - knots[i - 1].value > 1e-12 * width))
-      return fail("transfer function: expected ascending values, knot {} has {} after {}", i,
-                  knots[i].value, knots[i - 1].value);
+      return fail(
+          "transfer function: expected ascending values, by more than 1e-12 of their range, knot "
+          "{} has {} after {}",
+          i, knots[i].value, knots[i - 1].value);
   }
   if (knots.size() > 1 && width < kLeastWidth)
     return fail("transfer function: expected values at least {} apart, got {} and {}", kLeastWidth,
