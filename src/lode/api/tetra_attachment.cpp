@@ -37,8 +37,8 @@ Result<void> check_new(const Head& head, const TetraStep& step) {
 Result<void> attach_step(const tetra_mt::OpenedHierarchy& opened,
                          const std::vector<std::uint32_t>& mesh_vertices, const TetraStep& step,
                          Threads threads, tetra_mt::FieldAppender& appender, Progress& progress) {
-  LODE_CHECK(check_new(appender.head(), step));
   LODE_CHECK(check_same_mesh(opened.hierarchy, mesh_vertices, step.mesh, progress));
+  LODE_CHECK(check_new(appender.head(), step));
   LODE_TRY(auto fields, measure_fields(opened.hierarchy, mesh_vertices, step.mesh, progress));
   for (std::size_t f = 0; f < fields.size(); ++f) {
     fields[f].time = step.time;
@@ -51,8 +51,8 @@ Result<void> attach_step(const tetra_mt::OpenedHierarchy& opened,
 Result<void> attach_step(const midpoint::Forest& forest, const midpoint::ReferenceMesh& reference,
                          const TetraStep& step, Threads threads, midpoint::FieldAppender& appender,
                          Progress& progress) {
-  LODE_CHECK(check_new(appender.head(), step));
   LODE_TRY(const std::vector<std::uint32_t> mesh_vertices, reference.match(step.mesh));
+  LODE_CHECK(check_new(appender.head(), step));
   LODE_TRY(auto fields, measure_fields(forest, mesh_vertices, step.mesh, threads, progress));
   for (midpoint::FieldRecords& field : fields) {
     field.head.time = step.time;

@@ -127,8 +127,8 @@ Result<void> check_transfer_function(const TransferFunction& function) {
   for (std::size_t i = 1; i < knots.size(); ++i) {
     if (!(knots[i].value - knots[i - 1].value > 1e-12 * width))
       return fail(
-          "transfer function: expected ascending values, by more than 1e-12 of their range, knot "
-          "{} has {} after {}",
+          "transfer function: expected ascending values, knot {} has {} after {}, where 1e-12 of "
+          "their range is the least step",
           i, knots[i].value, knots[i - 1].value);
   }
   if (knots.size() > 1 && width < kLeastWidth)
