@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "lode/io/ascii_grid.h"
 #include "lode/io/height_formats.h"
 #include "lode/io/input_file.h"
 #include "lode/io/text.h"
@@ -35,8 +36,12 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   // Files of GeoTIFF 1.0 have vertical CRS, too, of which GDAL is silent unless asked.
   gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
+  const std::string type = ascii_grid_type(path);
+  const std::string type_option = "DATATYPE=" + type;
+  const std::array<const char*, 2> open_options{type.empty() ? nullptr : type_option.c_str(),
+                                                nullptr};
   raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY,
-                               raster_drivers().data(), nullptr, nullptr);
+                               raster_drivers().data(), open_options.data(), nullptr);
   if (raster.dataset_ == nullptr)
     return fail("{}: expected {}, got: {}", path, kRasterFormats, raster.reason());
   return raster;

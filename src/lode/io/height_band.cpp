@@ -51,7 +51,12 @@ struct BandMask {
     if (has_nodata != 0) nodata = value;
     // Where heights are resampled it is told of the file's.
     if (options.nodata && !options.to_degrees) nodata = options.nodata;
-    is_float32 = gdal.type(of) == GDT_Float32;
+    is_float32 = gdal.type(of) == GDT_Float32 || is_of_floats(raster, nodata);
+  }
+  /// ESRI ASCII grids that are read as doubles: what stands for the least float has any digits.
+  static bool is_of_floats(const GdalRaster& raster, const std::optional<double>& nodata) {
+    constexpr double kNoHeight = 1e30;
+    return nodata && std::abs(*nodata) > kNoHeight && raster.format() == "AAIGrid";
   }
   /// Of a sample as stored. Files and people say in decimals which float it is.
   [[nodiscard]] bool is_nodata(double sample) const {

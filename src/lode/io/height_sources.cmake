@@ -1,5 +1,6 @@
 # Reading heights; included by CMakeLists.txt beside it.
 set(IO_HEIGHT_SOURCES
+  ascii_grid.cpp
   crs_metric.cpp
   gdal_crs.cpp
   gdal_library.cpp
