@@ -34,6 +34,10 @@ void fill_bands(GDALDatasetH dataset, const RasterFile& raster) {
     EXPECT_EQ(GDALRasterIO(band, GF_Write, 0, 0, raster.n_columns, raster.n_rows, samples.data(),
                            raster.n_columns, raster.n_rows, GDT_Float64, 0, 0),
               CE_None);
+    if (raster.nodata64) GDALSetRasterNoDataValueAsInt64(band, *raster.nodata64);
+    if (!raster.int64) continue;
+    std::int64_t first = *raster.int64;
+    EXPECT_EQ(GDALRasterIO(band, GF_Write, 0, 0, 1, 1, &first, 1, 1, GDT_Int64, 0, 0), CE_None);
   }
 }
 
@@ -42,11 +46,13 @@ void fill_bands(GDALDatasetH dataset, const RasterFile& raster) {
 void write_raster(const std::string& path, const RasterFile& raster, const char* driver) {
   GDALAllRegister();
   const bool is_tiff = std::string(driver) == "GTiff";
-  const std::array<const char*, 2> compressed{"COMPRESS=DEFLATE", nullptr};
-  GDALDatasetH dataset =
-      GDALCreate(GDALGetDriverByName(is_tiff ? "GTiff" : "MEM"), path.c_str(), raster.n_columns,
-                 raster.n_rows, raster.n_bands, raster.type,
-                 raster.is_compressed ? const_cast<char**>(compressed.data()) : nullptr);
+  const std::array<const char*, 2> compressed{
+      raster.is_signed_byte ? "PIXELTYPE=SIGNEDBYTE" : "COMPRESS=DEFLATE", nullptr};
+  GDALDatasetH dataset = GDALCreate(GDALGetDriverByName(is_tiff ? "GTiff" : "MEM"), path.c_str(),
+                                    raster.n_columns, raster.n_rows, raster.n_bands, raster.type,
+                                    raster.is_compressed || raster.is_signed_byte
+                                        ? const_cast<char**>(compressed.data())
+                                        : nullptr);
   ASSERT_NE(dataset, nullptr);
   describe(dataset, raster);
   fill_bands(dataset, raster);

@@ -3,6 +3,7 @@
 #include <gdal.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct RasterFile {
   std::string unit{};
   bool is_point = false;  ///< AREA_OR_POINT=Point
   bool is_compressed = false;
+  bool is_signed_byte = false;          ///< Of Byte, as GDAL before 3.7 writes int8.
+  std::optional<std::int64_t> int64{};  ///< Of GDT_Int64: the first sample instead.
+  std::optional<std::int64_t> nodata64{};
 };
 
 /// Writes it as `driver`, GTiff or what can be copied from one (AAIGrid, PNG, HFA, ...).

@@ -1,10 +1,18 @@
 // Which numbers of a file become which heights, and where.
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <limits>
 
+#include "tests/io/height_files.h"
 #include "tests/io/height_reading.h"
 
 namespace lode::io {
 namespace {
+
+using test::twelve;
+using test::write_raster;
 
 class height_samples : public test::HeightReading {};
 
@@ -34,6 +42,48 @@ TEST_F(height_samples, takes_doubles_of_esri_ascii_whose_digits_floats_lose) {
   // Nor is it lost that fractions begin far down in the text, or sizes that floats have not.
   expect_samples(written("-9999", "1" + std::string(1200000, ' ') + "2.25 3").grid, {1, 2.25, 3});
   expect_samples(written("-9999", "1e-60 1e60 3").grid, {1e-60, 1e60, 3});
+}
+
+TEST_F(height_samples, takes_64_bit_integers_that_doubles_hold_and_names_others) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 53;
+  const std::string path = (*this)("a.tif");
+  std::vector<double> samples = twelve(1e9);
+  samples[0] = static_cast<double>(-kMost);
+  for (const auto& [type, name] : {std::pair{GDT_Int64, "int64"}, {GDT_UInt64, "uint64"}}) {
+    if (type == GDT_UInt64)
+      for (double& z : samples) z = std::abs(z);
+    write_raster(path, {.type = type, .samples = samples});
+    const HeightRaster raster = read(path);
+    EXPECT_EQ(raster.type, name);
+    expect_samples(raster.grid, samples);
+  }
+  write_raster(path, {.type = GDT_Int64, .samples = twelve(1), .int64 = kMost + 1});
+  EXPECT_NE(refusal(path).find("got 9007199254740993 in column 0, row 0"), std::string::npos);
+  // What stands for no height may be any, and is none but itself.
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  write_raster(path, {.type = GDT_Int64, .samples = twelve(1), .int64 = kLast, .nodata64 = kLast});
+  EXPECT_EQ(read(path).grid.n_missing(), 1U);
+  write_raster(path,
+               {.type = GDT_Int64, .samples = twelve(1), .int64 = kLast - 1, .nodata64 = kLast});
+  EXPECT_NE(refusal(path).find("got 9223372036854775806"), std::string::npos);
+  EXPECT_EQ(read(path, {.nodata = 0x1p63}).grid.n_missing(), 1U) << "as the user says it";
+}
+
+TEST_F(height_samples, takes_signed_bytes) {
+  std::vector<double> samples = twelve(10);
+  samples[1] = -128;
+  // GDAL 3.6 writes them as bytes.
+  std::vector<double> bytes = samples;
+  for (double& z : bytes)
+    if (z < 0) z += 256;
+  write_raster((*this)("a.tif"), {.type = GDT_Byte, .samples = bytes, .is_signed_byte = true});
+  const HeightRaster raster = read((*this)("a.tif"));
+  EXPECT_EQ(raster.type, "int8");
+  expect_samples(raster.grid, samples);
+  write_raster((*this)("b.tif"),
+               {.type = GDT_Byte, .samples = bytes, .scale = 0.5, .is_signed_byte = true});
+  for (double& z : samples) z *= 0.5;
+  expect_samples(read((*this)("b.tif")).grid, samples);
 }
 
 }  // namespace

@@ -49,6 +49,8 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.block_size, "GDALGetBlockSize");
   finder.find(gdal.metadata, "GDALGetMetadataItem");
   finder.find(gdal.nodata, "GDALGetRasterNoDataValue");
+  finder.find(gdal.nodata_int64, "GDALGetRasterNoDataValueAsInt64");
+  finder.find(gdal.nodata_uint64, "GDALGetRasterNoDataValueAsUInt64");
   finder.find(gdal.mask_flags, "GDALGetMaskFlags");
   finder.find(gdal.mask_band, "GDALGetMaskBand");
   finder.find(gdal.scale, "GDALGetRasterScale");

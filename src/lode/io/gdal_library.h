@@ -27,6 +27,8 @@ struct GdalLibrary {
   decltype(&GDALGetBlockSize) block_size = nullptr;
   decltype(&GDALGetMetadataItem) metadata = nullptr;
   decltype(&GDALGetRasterNoDataValue) nodata = nullptr;
+  decltype(&GDALGetRasterNoDataValueAsInt64) nodata_int64 = nullptr;
+  decltype(&GDALGetRasterNoDataValueAsUInt64) nodata_uint64 = nullptr;
   decltype(&GDALGetMaskFlags) mask_flags = nullptr;
   decltype(&GDALGetMaskBand) mask_band = nullptr;
   decltype(&GDALGetRasterScale) scale = nullptr;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -37,6 +39,7 @@ void set_missing(HeightGrid& grid, std::int32_t x, std::int32_t y) {
 struct BandMask {
   GDALRasterBandH band = nullptr;  ///< Zero where a sample is missing; null: there is none.
   std::optional<double> nodata{};
+  bool is_of_user = false;  ///< That nodata is not the file's.
   bool is_float32 = false;  ///< So are samples, whatever they are read as.
 
   /// GDAL's mask is asked only for what samples themselves do not say; of colours for all.
@@ -50,7 +53,8 @@ struct BandMask {
     const double value = gdal.nodata(of, &has_nodata);
     if (has_nodata != 0) nodata = value;
     // Where heights are resampled it is told of the file's.
-    if (options.nodata && !options.to_degrees) nodata = options.nodata;
+    is_of_user = options.nodata && !options.to_degrees;
+    if (is_of_user) nodata = options.nodata;
     is_float32 = gdal.type(of) == GDT_Float32 || is_of_floats(raster, nodata);
   }
   /// ESRI ASCII grids that are read as doubles: what stands for the least float has any digits.
@@ -84,6 +88,65 @@ struct Scaling {
   [[nodiscard]] bool is_plain() const { return scale == 1 && offset == 0; }
 };
 
+/// As GDAL before 3.7 says int8.
+bool is_signed_byte(const GdalRaster& raster, GDALRasterBandH band) {
+  const char* pixel = raster.gdal().metadata(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+  return pixel != nullptr && std::string_view(pixel) == "SIGNEDBYTE";
+}
+
+/// What a file of 64-bit integers has in the place of heights: as doubles it may be others, too.
+std::optional<std::int64_t> own_nodata(const GdalLibrary& gdal, GDALRasterBandH band,
+                                       std::int64_t /*of*/) {
+  int is_there = 0;
+  const std::int64_t value = gdal.nodata_int64(band, &is_there);
+  return is_there != 0 ? std::optional(value) : std::nullopt;
+}
+std::optional<std::uint64_t> own_nodata(const GdalLibrary& gdal, GDALRasterBandH band,
+                                        std::uint64_t /*of*/) {
+  int is_there = 0;
+  const std::uint64_t value = gdal.nodata_uint64(band, &is_there);
+  return is_there != 0 ? std::optional(value) : std::nullopt;
+}
+
+/// A row of 64-bit integers as doubles, which hold those up to 2^53; NaN where one is missing.
+template <typename T>
+Result<void> read_wide(const GdalRaster& raster, GDALRasterBandH band, const BandMask& mask,
+                       std::int32_t of_file, GDALDataType type, double* out) {
+  constexpr double kMost = 9007199254740992;
+  const std::optional<T> own = own_nodata(raster.gdal(), band, T{});
+  std::vector<T> row(static_cast<std::size_t>(raster.n_columns()));
+  LODE_CHECK(raster.read_row(band, of_file, row.data(), type));
+  for (std::size_t x = 0; x < row.size(); ++x) {
+    const auto z = static_cast<double>(row[x]);
+    if (mask.is_of_user ? mask.is_nodata(z) : own == row[x]) {
+      out[x] = std::numeric_limits<double>::quiet_NaN();
+    } else if (std::abs(z) > kMost || (std::abs(z) == kMost && static_cast<T>(z) != row[x])) {
+      return fail(
+          "{}: expected integers up to 2^53, which doubles hold, got {} in column {}, row {}",
+          raster.path(), row[x], x, of_file);
+    } else {
+      out[x] = z;
+    }
+  }
+  return {};
+}
+
+template <typename T>
+Result<void> read_stored(const GdalRaster& raster, GDALRasterBandH band, const BandMask& mask,
+                         std::int32_t of_file, T* row) {
+  if constexpr (std::is_same_v<T, double>) {
+    const GDALDataType type = raster.gdal().type(band);
+    if (type == GDT_Int64) return read_wide<std::int64_t>(raster, band, mask, of_file, type, row);
+    if (type == GDT_UInt64) return read_wide<std::uint64_t>(raster, band, mask, of_file, type, row);
+  }
+  LODE_CHECK(raster.read_row(band, of_file, row, kGdalType<T>));
+  if constexpr (std::is_same_v<T, std::int16_t> || std::is_same_v<T, double>)
+    if (is_signed_byte(raster, band))
+      for (std::int32_t x = 0; x < raster.n_columns(); ++x)
+        if (row[x] > std::numeric_limits<std::int8_t>::max()) row[x] = static_cast<T>(row[x] - 256);
+  return {};
+}
+
 template <typename T>
 Result<HeightGrid> read_band(const GdalRaster& raster, GDALRasterBandH band, const BandMask& mask,
                              const Scaling& scaling, RasterRows rows, Progress* progress) {
@@ -94,7 +157,7 @@ Result<HeightGrid> read_band(const GdalRaster& raster, GDALRasterBandH band, con
   for (std::int32_t y = 0; y < grid.n_rows; ++y) {
     LODE_CHECK(check_in(y, grid, progress));
     T* row = samples.data() + y * grid.stride;
-    LODE_CHECK(raster.read_row(band, rows.first + y, row, kGdalType<T>));
+    LODE_CHECK(read_stored(raster, band, mask, rows.first + y, row));
     for (std::int32_t x = 0; x < grid.n_columns; ++x) {
       const auto z = static_cast<double>(row[x]);
       if (mask.is_nodata(z)) set_missing(grid, x, y);
@@ -121,6 +184,9 @@ Result<HeightGrid> read_typed(const GdalRaster& raster, const HeightReadOptions&
   if (!scaling.is_plain()) type = GDT_Float64;
   switch (type) {
     case GDT_Byte:
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 7, 0)
+    case GDT_Int8:
+#endif
     case GDT_Int16: return read_band<std::int16_t>(raster, band, mask, scaling, rows, progress);
     case GDT_UInt16: return read_band<std::uint16_t>(raster, band, mask, scaling, rows, progress);
     case GDT_Float32: return read_band<float>(raster, band, mask, scaling, rows, progress);
@@ -129,27 +195,40 @@ Result<HeightGrid> read_typed(const GdalRaster& raster, const HeightReadOptions&
 }
 
 Result<void> check_unsigned(const GdalRaster& raster, GDALRasterBandH band) {
-  const char* pixel = raster.gdal().metadata(band, "PIXELTYPE", "IMAGE_STRUCTURE");
-  if (pixel != nullptr && std::string_view(pixel) == "SIGNEDBYTE")
+  if (is_signed_byte(raster, band))
     return fail("{}: expected unsigned bytes, got signed ones", raster.path());
   return {};
 }
 
-/// Of types that float64 holds exactly.
-Result<void> check_type(const GdalRaster& raster, GDALRasterBandH band, GDALDataType type) {
-  LODE_CHECK(check_unsigned(raster, band));
+/// Of types that float64 holds exactly, and of 64-bit integers, which are looked at one by one.
+Result<void> check_type(const GdalRaster& raster, GDALDataType type) {
   switch (type) {
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 7, 0)
+    case GDT_Int8:
+#endif
     case GDT_Byte:
     case GDT_Int16:
     case GDT_UInt16:
     case GDT_Int32:
     case GDT_UInt32:
+    case GDT_Int64:
+    case GDT_UInt64:
     case GDT_Float32:
     case GDT_Float64: return {};
     default:
-      return fail("{}: expected integers of up to 32 bits or floats, got {}", raster.path(),
+      return fail("{}: expected integers or floats, got {}", raster.path(),
                   raster.gdal().type_name(type));
   }
+}
+
+/// What GDAL resamples as it is: 64-bit integers would be rounded without a word.
+Result<void> check_resampled(const GdalRaster& raster, int number) {
+  GDALRasterBandH of_file = raster.band_of_file(number);
+  LODE_CHECK(check_unsigned(raster, of_file));
+  const GDALDataType type = raster.gdal().type(of_file);
+  if (type != GDT_Int64 && type != GDT_UInt64) return {};
+  return fail("{}: expected integers of up to 32 bits or floats to be resampled, got {}",
+              raster.path(), raster.gdal().type_name(type));
 }
 
 /// A colour as a height, correctly rounded.
@@ -212,14 +291,15 @@ Result<HeightRaster> describe_plain(const GdalRaster& raster, const HeightReadOp
   LODE_TRY(GDALRasterBandH band, raster.band(options.band));
   const GdalLibrary& gdal = raster.gdal();
   const GDALDataType type = gdal.type(band);
-  LODE_CHECK(check_type(raster, band, type));
+  LODE_CHECK(check_type(raster, type));
+  if (options.to_degrees) LODE_CHECK(check_resampled(raster, options.band));
   if (raster.n_bands() >= 3 && type == GDT_Byte && raster.format() == "PNG")
     return fail(
         "{}: expected to know what the colours of a picture stand for, terrain-rgb or terrarium, "
-        "got no encoding",
+        "got no --encoding",
         raster.path());
   HeightRaster result;
-  result.type = to_lower(gdal.type_name(type));
+  result.type = is_signed_byte(raster, band) ? "int8" : to_lower(gdal.type_name(type));
   GDALRasterBandH of_file = raster.band_of_file(options.band);
   if (gdal.scale(of_file, nullptr) != 1 || gdal.offset(of_file, nullptr) != 0)
     result.type = "scaled " + result.type;
