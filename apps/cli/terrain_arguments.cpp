@@ -50,8 +50,6 @@ void add_point_options(CLI::App& app, TerrainArguments& arguments) {
   add("--outline", arguments.outline, "POLYGONS",
       "Leave out of the domain what is outside of polygons: .geojson, .gpkg or .shp, in "
       "any CRS, or text with x and y a line, in the points' coordinates");
-  add("--crs", arguments.crs, "EPSG:N|EPSG:N+M|WKT",
-      "CRS of x and y, perhaps of heights too, instead of the file's");
 }
 
 }  // namespace
@@ -65,6 +63,11 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add("--encoding", arguments.encoding, "terrain-rgb|terrarium",
       "What the colours of a picture stand for");
   if (use != TerrainUse::rasters) add_point_options(app, arguments);
+  app.add_option("--crs", arguments.crs,
+                 "CRS of x and y, perhaps of heights too: of points instead of the file's, of a "
+                 "raster that has none")
+      ->type_name("EPSG:N|EPSG:N+M|WKT")
+      ->group("Heights");
   const auto add_of_heights = [&](const char* name, std::string& value, const char* help) {
     app.add_option(name, value, help)->type_name("EPSG:N|WKT|ellipsoid")->group("Heights");
   };
@@ -121,12 +124,12 @@ void add_resample_option(CLI::App& app, TerrainArguments& arguments) {
 Result<void> check_no_terrain(const TerrainArguments& arguments, const std::string& path) {
   if (arguments.has_points())
     return fail(
-        "{}: expected scattered points (.las, .xyz, ...) with --class, --duplicates, --max-edge, "
-        "--outline or --crs, got another file",
+        "{}: expected scattered points (.las, .xyz, ...) with --class, --duplicates, --max-edge "
+        "or --outline, got another file",
         path);
-  if (arguments.has_vertical())
-    return fail("{}: expected {} with --vertical-crs or --to-vertical-crs, got another file", path,
-                kTerrainFiles);
+  if (arguments.has_vertical() || !arguments.crs.empty())
+    return fail("{}: expected {} with --crs, --vertical-crs or --to-vertical-crs, got another file",
+                path, kTerrainFiles);
   if (arguments.has_lines())
     return fail(
         "{}: expected {} with --keep-features, --feature-relief, --breaklines or --drape, got "

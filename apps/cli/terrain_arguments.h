@@ -17,12 +17,12 @@ struct TerrainArguments {
   bool wrap = false;
   std::string resample;  ///< This and the next are of tiles.
   std::string oversample;
-  std::string classes;  ///< This and the next four are of points.
+  std::string classes;  ///< This and the next three are of points.
   std::string duplicates;
   std::string max_edge;
   std::string outline;
-  std::string crs;
-  std::string vertical_crs;  ///< This and the next are of both.
+  std::string crs;  ///< This and the next two are of both.
+  std::string vertical_crs;
   std::string to_vertical_crs;
   std::string model;
   std::string insertion;
@@ -50,12 +50,11 @@ struct TerrainArguments {
     return wrap || !band.empty() || !encoding.empty() || !resample.empty() || !oversample.empty();
   }
   [[nodiscard]] bool has_points() const {
-    return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty() &&
-             crs.empty());
+    return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty());
   }
   [[nodiscard]] bool is_empty() const {
-    return !has_raster() && !has_points() && !has_vertical() && !has_lines() && model.empty() &&
-           insertion.empty();
+    return !has_raster() && !has_points() && !has_vertical() && !has_lines() && crs.empty() &&
+           model.empty() && insertion.empty();
   }
 };
 
@@ -65,8 +64,8 @@ inline constexpr const char* kTerrainFiles =
 
 enum class TerrainUse : std::uint8_t { rasters, reading, verification, extraction };
 
-/// rasters: --band, --encoding and what heights are above; reading: also the options of points;
-/// verification and extraction: also lines, --model and --insertion.
+/// rasters: --band, --encoding, --crs and what heights are above; reading: also the options of
+/// points; verification and extraction: also lines, --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// --resample and --oversample, of what is put in degrees.

@@ -98,8 +98,8 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
   }
   if (arguments.has_points())
     return fail(
-        "{}: expected points (.las, .xyz, ...) with --class, --duplicates, --max-edge, --outline "
-        "or --crs, got a raster",
+        "{}: expected points (.las, .xyz, ...) with --class, --duplicates, --max-edge or "
+        "--outline, got a raster",
         path);
   if (arguments.wrap && arguments.has_lines())
     return fail(
@@ -130,6 +130,7 @@ Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
                                             const ReadingArguments& reading) {
   HeightReadOptions options;
   options.vertical = to_vertical_options(arguments);
+  options.crs = arguments.crs;
   if (!arguments.band.empty()) {
     LODE_TRY(const auto band, parse_integer("--band", arguments.band, 1, kMaxBand));
     options.band = static_cast<int>(band);
@@ -267,7 +268,8 @@ Result<void> check_terrain_model(const std::string& path, const TerrainArguments
   LODE_CHECK(check_model_of_points(path, arguments));
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
-      "{}: expected no --band, --encoding, --wrap, --nodata, --model, --insertion or options of "
+      "{}: expected no --band, --encoding, --wrap, --nodata, --crs, --model, --insertion or "
+      "options of "
       "lines, "
       "points "
       "or heights with a .lode file of terrain, got one",

@@ -16,7 +16,7 @@ Result<void> check_known_crs(const std::string& output, const std::string& input
   if (!is_geojson_path(output) || !facts.frame.crs.empty()) return {};
   return fail(
       "{}: expected a raster whose CRS is known, as GeoJSON has longitudes and latitudes of WGS 84 "
-      "(RFC 7946), got {}, which has none; .gpkg takes coordinates as they are",
+      "(RFC 7946), got {}, which has none (--crs says it); .gpkg takes coordinates as they are",
       output, input);
 }
 

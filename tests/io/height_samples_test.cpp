@@ -86,5 +86,31 @@ TEST_F(height_samples, takes_signed_bytes) {
   expect_samples(read((*this)("b.tif")).grid, samples);
 }
 
+TEST_F(height_samples, takes_a_crs_for_what_has_none) {
+  std::ofstream((*this)("a.asc")) << "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+                                     "1 2\n3 4\n";
+  EXPECT_EQ(read((*this)("a.asc")).grid.crs, "");
+  const HeightRaster plain = read((*this)("a.asc"), {.crs = "EPSG:32611"});
+  EXPECT_NE(plain.grid.crs.find("WGS 84 / UTM zone 11N"), std::string::npos) << plain.grid.crs;
+  const HeightRaster compound = read((*this)("a.asc"), {.crs = "EPSG:32611+5703"});
+  EXPECT_EQ(compound.grid.vertical_unit, "metre") << compound.grid.crs;
+  const HeightRaster degrees =
+      read((*this)("a.asc"), {.crs = "EPSG:32611", .to_degrees = Resampling::bilinear});
+  EXPECT_NE(degrees.grid.crs.find("4326"), std::string::npos);
+  EXPECT_NE(refusal((*this)("a.asc"), {.crs = "EPSG:none"}).find("EPSG:none"), std::string::npos);
+  // One that the file has is taken again, and no other.
+  write_raster((*this)("own.tif"), {.samples = twelve(1),
+                                    .geotransform = std::array<double, 6>{0, 1, 0, 0, 0, -1},
+                                    .epsg = 32611});
+  EXPECT_EQ(read((*this)("own.tif"), {.crs = "EPSG:32611"}).grid.crs,
+            read((*this)("own.tif")).grid.crs);
+  EXPECT_NE(refusal((*this)("own.tif"), {.crs = "EPSG:4326"}).find("one of its own"),
+            std::string::npos);
+  std::ofstream((*this)("S05W171.hgt")) << std::string(50, '\1');
+  EXPECT_EQ(read((*this)("S05W171.hgt"), {.crs = "EPSG:4326"}).grid.n_rows, 5);
+  EXPECT_NE(refusal((*this)("S05W171.hgt"), {.crs = "EPSG:32611"}).find("one of its own"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace lode::io

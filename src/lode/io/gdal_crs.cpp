@@ -94,4 +94,16 @@ Result<std::string> to_wkt(const std::string& crs) {
   return without_controls(wkt);
 }
 
+Result<void> check_same_crs(const std::string& path, const std::string& own,
+                            const std::string& stated) {
+  const auto of_file = GdalCrs::of(own);
+  const auto of_user = GdalCrs::of(stated);
+  if (!of_file) return fail("{}: {}", path, of_file.error().message);
+  if (!of_user) return fail("{}: {}", path, of_user.error().message);
+  LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
+  if (gdal->is_same_crs(of_file->handle(), of_user->handle()) != 0) return {};
+  return fail("{}: expected no CRS for a raster that has one of its own, {}, got another: {}", path,
+              quoted(own), quoted(stated));
+}
+
 }  // namespace lode::io

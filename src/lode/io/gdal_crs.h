@@ -38,4 +38,8 @@ class GdalCrs {
 /// A CRS, given as EPSG:N, EPSG:N+M or as WKT, as WKT. Fails where GDAL does not know it.
 [[nodiscard]] Result<std::string> to_wkt(const std::string& crs);
 
+/// Fails where a file has another CRS, in WKT, than the one that it is said to have.
+[[nodiscard]] Result<void> check_same_crs(const std::string& path, const std::string& own,
+                                          const std::string& stated);
+
 }  // namespace lode::io

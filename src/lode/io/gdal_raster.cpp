@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "lode/io/ascii_grid.h"
+#include "lode/io/gdal_crs.h"
 #include "lode/io/height_formats.h"
 #include "lode/io/input_file.h"
 #include "lode/io/text.h"
@@ -98,12 +100,27 @@ Result<void> GdalRaster::check_size(GDALRasterBandH band, std::uint64_t n_bytes)
   return {};
 }
 
+std::string GdalRaster::crs() const {
+  const char* own = gdal_->projection(source_ != nullptr ? source_ : dataset_);
+  if (own == nullptr || *own == '\0' || is_empty_crs(own)) return stated_crs_;
+  return without_controls(own);
+}
+
+Result<void> GdalRaster::state_crs(const std::string& crs) {
+  if (crs.empty()) return {};
+  const std::string own = this->crs();
+  if (!own.empty()) return check_same_crs(path_, own, crs);
+  auto wkt = to_wkt(crs);
+  if (!wkt) return fail("{}: {}", path_, wkt.error().message);
+  stated_crs_ = std::move(wkt).value();
+  return {};
+}
+
 Result<void> GdalRaster::place(HeightRaster& raster) const {
   HeightGrid& grid = raster.grid;
   std::array<double, 6> g{};
   raster.has_place = gdal_->geotransform(dataset_, g.data()) == CE_None;
-  if (const char* crs = gdal_->projection(dataset_); crs != nullptr && !is_empty_crs(crs))
-    grid.crs = without_controls(crs);
+  grid.crs = crs();
   if (source_ != nullptr) {
     LODE_TRY(grid.crs, crs_of_degrees());
   }

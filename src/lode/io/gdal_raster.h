@@ -29,6 +29,7 @@ class GdalRaster {
         dataset_(std::exchange(other.dataset_, nullptr)),
         source_(std::exchange(other.source_, nullptr)),
         rim_(std::move(other.rim_)),
+        stated_crs_(std::move(other.stated_crs_)),
         n_file_bytes_(other.n_file_bytes_) {}
   GdalRaster& operator=(GdalRaster&&) = delete;
   ~GdalRaster();
@@ -48,6 +49,11 @@ class GdalRaster {
   [[nodiscard]] Result<void> check_size(GDALRasterBandH band, std::uint64_t n_bytes) const;
   [[nodiscard]] std::int32_t n_columns() const { return gdal_->n_columns(dataset_); }
   [[nodiscard]] std::int32_t n_rows() const { return gdal_->n_rows(dataset_); }
+  /// Says what CRS it is in, as GdalCrs::of() takes it; nothing where that is empty. Fails where
+  /// the file has another one.
+  [[nodiscard]] Result<void> state_crs(const std::string& crs);
+  /// As WKT: the file's own or the one that was stated; empty: not known.
+  [[nodiscard]] std::string crs() const;
   /// Becomes what HeightReadOptions::to_degrees says, sample by sample as they are read. Fails
   /// where GDAL cannot do that.
   [[nodiscard]] Result<void> put_in_degrees(Resampling resampling,
@@ -79,6 +85,7 @@ class GdalRaster {
   GDALDatasetH dataset_ = nullptr;
   GDALDatasetH source_ = nullptr;  ///< What was put in degrees.
   std::vector<RimHeight> rim_;
+  std::string stated_crs_;  ///< Of a file that has none.
   std::uint64_t n_file_bytes_;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/io/byte_stream.h"
+#include "lode/io/gdal_crs.h"
 #include "lode/io/inflate.h"
 #include "lode/io/text.h"
 
@@ -101,6 +102,7 @@ Result<HeightRaster> read_hgt(const std::string& path, const HeightReadOptions& 
   const double step = 1.0 / (n - 1);
   grid.to_world = {corner->longitude, step, 0, corner->latitude + 1, 0, -step};
   grid.crs = kWgs84;
+  if (!options.crs.empty()) LODE_CHECK(check_same_crs(path, grid.crs, options.crs));
   grid.vertical_unit = "m";
   raster.form.nodata = missing;
   raster.form.is_point = true;

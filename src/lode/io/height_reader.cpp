@@ -25,6 +25,7 @@ Result<HeightRaster> read_hgt_alone(const std::string& path, const HeightReadOpt
 Result<HeightRaster> read_with_gdal(const std::string& path, const HeightReadOptions& options,
                                     Progress& progress) {
   LODE_TRY(GdalRaster raster, GdalRaster::open(path));
+  LODE_CHECK(raster.state_crs(options.crs));
   if (options.to_degrees) LODE_CHECK(raster.put_in_degrees(*options.to_degrees, options));
   LODE_TRY(HeightRaster result, describe_raster(raster, options));
   LODE_TRY(HeightGrid samples, read_rows(raster, options, {0, raster.n_rows()}, &progress));

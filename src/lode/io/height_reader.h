@@ -24,6 +24,8 @@ struct HeightReadOptions {
   int band = 1;  ///< Of a raster, from 1.
   HeightEncoding encoding = HeightEncoding::none;
   std::optional<double> nodata{};  ///< Instead of what the file says.
+  /// As WKT, EPSG:N or EPSG:N+M, of a raster whose file says none; empty: not known.
+  std::string crs{};
   VerticalOptions vertical{};
   /// Put a raster in degrees of WGS 84, as far apart as its samples are: these are other samples,
   /// which errors are then of. Heights stay above what they are above. Of what GDAL reads only, and

@@ -42,6 +42,7 @@ Result<HeightStream> HeightStream::open(const std::string& path, const HeightRea
                                         Progress& progress) {
   if (is_hgt_path(path)) return fail("{}: expected a raster that GDAL reads", path);
   LODE_TRY(GdalRaster file, GdalRaster::open(path));
+  LODE_CHECK(file.state_crs(options.crs));
   if (options.to_degrees) LODE_CHECK(file.put_in_degrees(*options.to_degrees, options));
   LODE_TRY(HeightRaster raster, describe_raster(file, options));
   auto plan = plan_vertical(raster.grid, options.vertical, progress);

@@ -146,23 +146,24 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
     return fail("{}: expected no encoding of a raster that is resampled, got one", path_);
   LODE_TRY(GDALRasterBandH band, this->band(options.band));
   LODE_CHECK(check_size(band, 1));  // before GDAL takes memory for its blocks
-  if (const char* crs = gdal_->projection(dataset_); crs == nullptr || *crs == '\0')
-    return fail("{}: expected a raster whose CRS is known, to be put in degrees, got one without",
-                path_);
+  const std::string crs = this->crs();
+  if (crs.empty())
+    return fail(
+        "{}: expected a raster whose CRS is known, to be put in degrees, got one without: --crs "
+        "says it",
+        path_);
   HeightFrame pixels;
   pixels.n_columns = n_columns();
   pixels.n_rows = n_rows();
   if (gdal_->geotransform(dataset_, pixels.to_world.data()) != CE_None)
     return fail("{}: expected a raster with a position, to be put in degrees, got one without",
                 path_);
-  LODE_TRY(const Degrees degrees,
-           choose_degrees(path_, *gdal_, gdal_->projection(dataset_), pixels));
-  const std::vector<std::string> words =
-      warp_words(gdal_->type(band), degrees, resampling, options);
+  LODE_TRY(const Degrees degrees, choose_degrees(path_, *gdal_, crs.c_str(), pixels));
+  std::vector<std::string> words = warp_words(gdal_->type(band), degrees, resampling, options);
+  if (!stated_crs_.empty()) words.insert(words.end(), {"-s_srs", stated_crs_});
   LODE_TRY(std::vector<BorderHeight> border, read_border(path_, options));
   // Which another raster of the file took back when it was done.
   gdal_->set_option("GTIFF_REPORT_COMPD_CS", "YES");
-  const std::string crs = gdal_->projection(dataset_);
   source_ = std::exchange(dataset_, nullptr);
   LODE_CHECK(warp_source(words));
   LODE_CHECK(check_size_in_degrees(options));
@@ -224,8 +225,8 @@ Result<HeightFrame> GdalRaster::frame_in_degrees() const {
 
 Result<std::string> GdalRaster::crs_of_degrees() const {
   LODE_TRY(std::string degrees, to_wkt(kDegrees));
-  const char* crs = gdal_->projection(source_);
-  if (crs == nullptr || !says_heights(crs)) return degrees;
+  const std::string crs = this->crs();
+  if (!says_heights(crs)) return degrees;
   LODE_TRY(const Proj proj, Proj::make());
   LODE_TRY(const SplitCrs of_source, split_crs(proj, crs));
   if (!of_source.vertical) return degrees;
