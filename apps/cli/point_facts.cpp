@@ -51,6 +51,7 @@ void add_point_facts(const PointFacts& facts, Json& json, Table& table) {
   json["lattice_step"] = facts.step;
   json["largest_move"] = facts.largest_move;
   json["outline_edges"] = facts.n_outline;
+  json["turned_points"] = facts.n_turned;
   if (facts.has_classes) {
     Json& classes = json["classes"] = Json::object();
     for (std::size_t i = 0; i < counts.of_class.size(); ++i)
@@ -61,6 +62,9 @@ void add_point_facts(const PointFacts& facts, Json& json, Table& table) {
   if (facts.has_classes) table.add({"classes", classes_text(counts)});
   if (const std::string text = left_out_text(facts); !text.empty()) table.add({"left out", text});
   if (counts.n_synthetic > 0) table.add({"synthetic", format_count(counts.n_synthetic)});
+  if (facts.n_turned > 0)
+    table.add({"turned", fmt::format("{} points, whose longitudes are a turn more than in the file",
+                                     format_count(facts.n_turned))});
   if (facts.n_repeated > 0)
     table.add({"repeated",
                fmt::format("{} points at positions of others, whose heights differ by up to {}",
@@ -76,6 +80,11 @@ void warn_of_points(const PointFacts& facts, const std::string& path, RepeatedHe
                     Session& session) {
   if (!facts.crs_note.empty())
     session.warn(fmt::format("{}: the CRS was not read: {}; --crs says it", path, facts.crs_note));
+  if (facts.n_turned > 0)
+    session.warn(fmt::format(
+        "{}: points lie on both sides of where longitudes jump; to those of {} points a "
+        "turn was added, so that all lie side by side",
+        path, format_count(facts.n_turned)));
   if (facts.largest_spread > 0)
     session.warn(
         fmt::format("{}: heights at one position differ by up to {}; the {} stands for them "

@@ -105,5 +105,27 @@ TEST(round_terrain, adds_the_turns_that_bring_a_longitude_near) {
   EXPECT_NEAR(middle_x(globe(37)), 0, 1e-12);
 }
 
+TEST(round_terrain, counts_longitudes_of_points_from_their_widest_gap) {
+  const auto from = [](const std::vector<double>& longitudes, const HorizontalMetric& metric) {
+    std::vector<Vec3d> points;
+    for (const double x : longitudes) points.push_back({{x, 1, 2}});
+    return turn_from(metric, points);
+  };
+  EXPECT_EQ(from({-178, 179, -180, 178, 180}, degrees()), 0);
+  EXPECT_EQ(from({-170, -100, 150, 179}, degrees()), 25);
+  EXPECT_EQ(from({10, 350, 2, 358}, degrees()), 180) << "of longitudes from 0 to 360";
+  EXPECT_EQ(from({-130, -60, 20, 100}, degrees()), std::nullopt) << "the widest gap is outside";
+  std::vector<double> all_round;
+  for (int x = -180; x < 180; x += 5) all_round.push_back(x);
+  EXPECT_EQ(from(all_round, degrees()), std::nullopt);
+  EXPECT_EQ(from({-80, 80}, degrees()), std::nullopt);
+  EXPECT_EQ(from({-178, 178}, {}), std::nullopt) << "in a plane";
+  EXPECT_EQ(from({-178, 178, 900}, degrees()), std::nullopt) << "no longitudes";
+  std::vector<Vec3d> points{{{-178, 1, 2}}, {{178, 3, 4}}};
+  EXPECT_EQ(turn_places(degrees(), 0, points), 1U);
+  EXPECT_NEAR(points[0][0], 182, 1e-12);
+  EXPECT_EQ(points[1][0], 178);
+}
+
 }  // namespace
 }  // namespace lode

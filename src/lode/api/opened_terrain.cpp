@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <numbers>
@@ -70,6 +72,21 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
           .vertical = file.vertical};
 }
 
+/// Points on both sides of where longitudes jump, and their outline, side by side; how many points
+/// were moved, and by a turn.
+std::uint64_t bring_together(const HorizontalMetric& metric, io::PointFile& file,
+                             std::vector<PlacePolygon>& outline) {
+  const auto from = turn_from(metric, file.points);
+  if (!from) return 0;
+  for (PlacePolygon& polygon : outline)
+    for (auto& ring : polygon) turn_places(metric, *from, ring);
+  // Where a turn is no number of steps, points would be moved to nodes of another lattice.
+  const double n_steps = whole_turn(metric) / file.lattice.step;
+  constexpr double kRounding = 1e-3;
+  if (!(std::abs(n_steps - std::round(n_steps)) < kRounding)) file.lattice = {};
+  return turn_places(metric, *from, file.points);
+}
+
 /// Lines whose longitudes are whole turns away from a terrain's, there.
 void bring_near(const HeightFrame& frame, std::vector<PlaceLine>& lines) {
   const Result<HorizontalMetric> metric = io::read_metric(frame.crs);
@@ -119,17 +136,19 @@ Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOpti
   if (!options.outline.empty()) {
     LODE_TRY(outline, io::read_polygons(options.outline));
   }
-  LODE_TRY(const io::PointFile file, io::read_points(path, options.points, progress));
+  LODE_TRY(io::PointFile file, io::read_points(path, options.points, progress));
   if (!options.outline.empty()) {
     LODE_TRY(domain.outline, io::polygons_in(outline, file.crs));
   }
   LODE_TRY(const HorizontalMetric metric, naming(path, io::read_metric(file.crs), progress));
+  const std::uint64_t n_turned = bring_together(metric, file, domain.outline);
   LODE_TRY(PointTerrain made,
            naming(path, make_point_terrain(file.points, file.lattice, metric, domain, progress),
                   progress));
   made.points.crs = file.crs;
   made.points.vertical_unit = file.vertical_unit;
   TerrainFacts facts = point_facts_of(file, made);
+  facts.points->n_turned = n_turned;
   auto points = std::make_shared<const PointTerrain>(std::move(made));
   OpenedTerrain opened{.terrain = to_terrain(points), .facts = std::move(facts), .points = points};
   if (options.has_lines())

@@ -29,7 +29,8 @@ struct PointFacts {
   std::uint64_t n_repeated = 0;  ///< See HeightPoints, and so the next two.
   double largest_spread = 0;
   double largest_move = 0;
-  double step = 0;  ///< Of the lattice.
+  double step = 0;             ///< Of the lattice.
+  std::uint64_t n_turned = 0;  ///< To whose longitudes a turn was added; see turn_from().
 };
 
 /// What a file says of its terrain.

@@ -5,12 +5,10 @@
 #include <cstddef>
 #include <numbers>
 #include <type_traits>
+#include <vector>
 
 namespace lode {
 namespace {
-
-/// Of longitudes, in their unit.
-double turn_of(const HorizontalMetric& metric) { return 2 * std::numbers::pi / metric.angle_unit; }
 
 /// Whether two columns have the same heights.
 bool are_equal(const HeightGrid& grid, std::int32_t a, std::int32_t b) {
@@ -24,9 +22,13 @@ bool are_equal(const HeightGrid& grid, std::int32_t a, std::int32_t b) {
 
 }  // namespace
 
+double whole_turn(const HorizontalMetric& metric) {
+  return 2 * std::numbers::pi / metric.angle_unit;
+}
+
 bool is_longitude(const HorizontalMetric& metric, double longitude) {
   constexpr double kMostTurns = 100;
-  return std::abs(longitude) <= kMostTurns * turn_of(metric);
+  return std::abs(longitude) <= kMostTurns * whole_turn(metric);
 }
 
 std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
@@ -34,9 +36,9 @@ std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
   const std::array<double, 6>& g = grid.to_world;
   if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return std::nullopt;
   if (!is_longitude(metric, g[0])) return std::nullopt;
-  const double n = std::round(turn_of(metric) / g[1]);
+  const double n = std::round(whole_turn(metric) / g[1]);
   constexpr double kSteps = 1e-3;  // That the seam may differ from others by.
-  if (!(n >= 3) || std::abs(n * g[1] - turn_of(metric)) > kSteps * g[1]) return std::nullopt;
+  if (!(n >= 3) || std::abs(n * g[1] - whole_turn(metric)) > kSteps * g[1]) return std::nullopt;
   if (grid.n_columns == n) return grid.n_columns;
   if (grid.n_columns == n + 1 && are_equal(grid, 0, grid.n_columns - 1)) return grid.n_columns - 1;
   return std::nullopt;
@@ -73,10 +75,33 @@ HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longi
 
 double turns_towards(const HorizontalMetric& metric, double to, double longitude) {
   if (!metric.ellipsoid || !is_longitude(metric, to) || !is_longitude(metric, longitude)) return 0;
-  const double turns = (to - longitude) / turn_of(metric);
+  const double turns = (to - longitude) / whole_turn(metric);
   // What is half a turn away, but for rounding, is at the border of what goes all the way round.
   constexpr double kHalf = 0.5 + 1e-9;
-  return std::copysign(std::max(0.0, std::ceil(std::abs(turns) - kHalf)), turns) * turn_of(metric);
+  return std::copysign(std::max(0.0, std::ceil(std::abs(turns) - kHalf)), turns) *
+         whole_turn(metric);
+}
+
+std::optional<double> turn_from(const HorizontalMetric& metric, std::span<const Vec3d> points) {
+  if (!metric.ellipsoid || points.empty()) return std::nullopt;
+  const double turn = whole_turn(metric);
+  const auto [west, east] =
+      std::ranges::minmax(points, {}, [](const Vec3d& point) { return point[0]; });
+  const double extent = east[0] - west[0];
+  if (extent <= turn / 2 || extent > turn * (1 + 1e-9)) return std::nullopt;
+  std::vector<double> longitudes;
+  longitudes.reserve(points.size());
+  for (const Vec3d& point : points) longitudes.push_back(point[0]);
+  std::ranges::sort(longitudes);
+  double widest = std::max(turn / 4, turn - extent);
+  std::optional<double> from;
+  for (std::size_t i = 1; i < longitudes.size(); ++i) {
+    const double gap = longitudes[i] - longitudes[i - 1];
+    if (gap <= widest) continue;
+    widest = gap;
+    from = longitudes[i - 1] + gap / 2;
+  }
+  return from;
 }
 
 double middle_x(const HeightFrame& frame) {
@@ -87,7 +112,7 @@ Vec<double, 2> nearest_turn(const HorizontalMetric& metric, const Vec<double, 2>
                             Vec<double, 2> to) {
   if (!metric.ellipsoid || !is_longitude(metric, from[0]) || !is_longitude(metric, to[0]))
     return to;
-  const double turn = turn_of(metric);
+  const double turn = whole_turn(metric);
   to[0] += turn * std::round((from[0] - to[0]) / turn);
   return to;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "lode/core/height_frame.h"
 #include "lode/core/height_grid.h"
@@ -10,6 +11,9 @@
 #include "lode/core/vec.h"
 
 namespace lode {
+
+/// Of longitudes, in their unit.
+[[nodiscard]] double whole_turn(const HorizontalMetric& metric);
 
 /// Whether a longitude, in the metric's unit, is one that turns mean something of: beyond a hundred
 /// of them it is none, but a mistake.
@@ -29,6 +33,26 @@ namespace lode {
 /// Whole turns to be added to a longitude, so that it is no more than half a turn from another; 0
 /// where that is so, and where either is none.
 [[nodiscard]] double turns_towards(const HorizontalMetric& metric, double to, double longitude);
+
+/// Where longitudes of points on both sides of where they jump (178 to 180 and -180 to -178) are to
+/// be counted from: those west of it lie whole around the earth, once a turn is added to them. It
+/// is the middle of the widest gap between them, where that is a quarter of a turn or more, and
+/// wider than what is left around them. Nothing where they are best as they are, or are none. O(n
+/// log n) where they are more than a half turn apart.
+[[nodiscard]] std::optional<double> turn_from(const HorizontalMetric& metric,
+                                              std::span<const Vec3d> points);
+
+/// Adds a turn to x of places that lie west of `from`; how many there were.
+template <typename Places>
+std::uint64_t turn_places(const HorizontalMetric& metric, double from, Places& places) {
+  std::uint64_t n = 0;
+  for (auto& place : places) {
+    if (!(place[0] < from)) continue;
+    place[0] += whole_turn(metric);
+    ++n;
+  }
+  return n;
+}
 
 /// The x of the middle of a terrain's columns and rows.
 [[nodiscard]] double middle_x(const HeightFrame& frame);
