@@ -26,9 +26,12 @@ Result<void> check_contours(const ContourArguments& arguments) {
                                  "isosurfaces of volumes and meshes, and contour lines of images, "
                                  "are made by lode extract --isovalue"));
   if (auto levels = to_levels(arguments.levels); !levels) return levels.error();
-  if (arguments.is_polygons && is_vtp_path(arguments.output))
-    return fail("--polygons: expected an output that ends in .gpkg or .geojson, got {}",
-                arguments.output);
+  if (auto status = check_line_output(arguments.output);
+      arguments.is_polygons && (!status || is_vtp_path(arguments.output)))
+    return fail(
+        "--polygons: expected an output that ends in .gpkg or .geojson (.vtp takes lines alone), "
+        "got {}",
+        arguments.output);
   LODE_CHECK(check_line_output(arguments.output));
   return check_paths_differ({arguments.terrain.input}, {arguments.output});
 }

@@ -151,6 +151,11 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
         fmt::format("coordinates are floats: {} triangles in {}, thinner than these tell, "
                     "are turned over or flat",
                     format_count(report.n_turned), job.output));
+  if (job.terrain.wrap && opened.is_closed && opened.model != TerrainModel::delaunay_selector)
+    session.warn(fmt::format(
+        "--wrap: {} promises nothing where its first and last column meet: {} may have vertices on "
+        "one side only, and cracks along it; the delaunay_selector has the same on both",
+        name_of(opened.model), job.output));
   const std::uint64_t n_triangles = clip ? clip->n_triangles : report.triangles;
   const std::uint64_t full = n_full_triangles(opened.facts, report.n_samples);
   if (is_hierarchy(opened.model) && n_triangles > full)
@@ -314,6 +319,7 @@ Result<Outcome> run_model_info(const std::string& path, Session& session) {
   table.add({"file", path});
   table.add({"model", name_of(opened.model)});
   add_facts(opened.facts, outcome.json, table);
+  LODE_CHECK(add_extent(opened.facts, outcome.json, table));
   LODE_TRY(const BuiltTerrainInfo info, opened.built->describe(session.progress()));
   add_built_terrain(info, opened.model, outcome.json, table);
   outcome.text = table.to_string();
@@ -332,6 +338,7 @@ Result<Outcome> run_points_info(const std::string& path, const TerrainArguments&
   table.add({"file", path});
   table.add({"format", opened.facts.format});
   add_facts(opened.facts, outcome.json, table);
+  LODE_CHECK(add_extent(opened.facts, outcome.json, table));
   outcome.json["range"] = {range.lower, range.upper};
   table.add({"range", format_heights(range.lower, range.upper)});
   outcome.text = table.to_string();
@@ -472,7 +479,9 @@ Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments
   Table table;
   table.add({"file", path});
   table.add({"format", raster.format});
-  add_facts(facts_of(raster), outcome.json, table);
+  const TerrainFacts facts = facts_of(raster);
+  add_facts(facts, outcome.json, table);
+  LODE_CHECK(add_extent(facts, outcome.json, table));
   outcome.json["range"] = info.has_heights ? Json::array({info.lower, info.upper}) : Json(nullptr);
   outcome.json["cells"] = info.n_cells;
   outcome.json["left_out_samples"] = info.n_left_out;

@@ -55,6 +55,15 @@ std::string unknown_command(const std::string& word, const std::vector<Command>&
                      hint.empty() ? "" : fmt::format("; did you mean '{}'?", hint));
 }
 
+/// Whether an option is called as a command is, such as --tiles.
+bool command_called(const std::string& option, const CLI::App& app) {
+  constexpr std::size_t kDashes = 2;
+  const auto is_called = [&](const CLI::App* one) {
+    return one->get_name() == option.substr(kDashes);
+  };
+  return !app.get_parent()->get_subcommands(is_called).empty();
+}
+
 /// The first argument that looks like an option but is none of this command's, with a hint.
 std::string unknown_option(const std::vector<std::string>& arguments, const CLI::App& app) {
   std::vector<std::string> known;
@@ -63,7 +72,8 @@ std::string unknown_option(const std::vector<std::string>& arguments, const CLI:
   for (const std::string& argument : arguments) {
     const std::string name = argument.substr(0, argument.find('='));
     if (!name.starts_with("--") || name == "--" || std::ranges::count(known, name) > 0) continue;
-    const std::string hint = closest_to(name, known);
+    const std::string hint =
+        command_called(name, app) ? "lode " + name.substr(2) : closest_to(name, known);
     return fmt::format("{}: expected one of the options in lode {} --help, got '{}'{}",
                        app.get_name(), app.get_name(), name,
                        hint.empty() ? "" : fmt::format("; did you mean '{}'?", hint));

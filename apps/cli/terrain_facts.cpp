@@ -1,5 +1,11 @@
 #include "terrain_facts.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
 #include "point_facts.h"
 
 namespace lode::cli {
@@ -18,7 +24,62 @@ Json counts_of(const terrain_features::FeatureCounts& counts) {
   return {{"peaks", counts.peaks}, {"passes", counts.passes}, {"pits", counts.pits}};
 }
 
+/// Of all corners, as rasters may be turned.
+PlaceBox extent_of(const HeightFrame& frame) {
+  const Place first = frame.world(0, 0);
+  PlaceBox box{first, first};
+  for (const int x : {0, frame.n_columns - 1})
+    for (const int y : {0, frame.n_rows - 1}) {
+      const Place corner = frame.world(x, y);
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        box.lower[axis] = std::min(box.lower[axis], corner[axis]);
+        box.upper[axis] = std::max(box.upper[axis], corner[axis]);
+      }
+    }
+  return box;
+}
+
+/// "degrees", "metre", ... of x and y; empty: not known.
+std::string place_unit(const HorizontalMetric& metric) {
+  if (!metric.ellipsoid) return metric.unit;
+  constexpr double kDegree = std::numbers::pi / 180;
+  if (std::abs(metric.angle_unit / kDegree - 1) < 1e-9) return "degrees";
+  return fmt::format("{} radians", metric.angle_unit);
+}
+
 }  // namespace
+
+Result<void> add_extent(const TerrainFacts& facts, Json& json, Table& table) {
+  const HeightFrame& frame = facts.frame;
+  LODE_TRY(const HorizontalMetric metric, read_metric(frame.crs));
+  const std::string unit = place_unit(metric);
+  const PlaceBox box = extent_of(frame);
+  const auto& g = frame.to_world;
+  const std::array<double, 2> cell{std::hypot(g[1], g[4]), std::hypot(g[2], g[5])};
+  const bool is_of_cells = !facts.is_of_points && !facts.points;
+  json["extent"] = {{"x", {box.lower[0], box.upper[0]}}, {"y", {box.lower[1], box.upper[1]}}};
+  json["place_unit"] = text_or_null(unit);
+  json["cell_size"] = is_of_cells ? Json(cell) : Json(nullptr);
+  const auto between = [&](std::size_t axis) {
+    const double step = std::min(cell[axis], box.upper[axis] - box.lower[axis]);
+    return fmt::format("{} to {}", format_height(box.lower[axis], step),
+                       format_height(box.upper[axis], step));
+  };
+  table.add({"extent of x", between(0)});
+  table.add({"extent of y", between(1)});
+  table.add({"unit of x and y", !facts.has_place ? "columns, and rows from the last up"
+                                : unit.empty()   ? "not known"
+                                                 : unit});
+  if (is_of_cells)
+    table.add(
+        {"cell size", fmt::format("{} x {}", format_number(cell[0]), format_number(cell[1]))});
+  const bool has_pixels = is_of_cells && facts.form.geotransform.has_value();
+  json["pixels"] = has_pixels ? Json(facts.form.is_point ? "points" : "areas") : Json(nullptr);
+  if (has_pixels)
+    table.add({"pixels", facts.form.is_point ? "points: the file has the places of samples"
+                                             : "areas: samples are in their middle"});
+  return {};
+}
 
 void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
   if (!opened.lines) return;

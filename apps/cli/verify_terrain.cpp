@@ -7,6 +7,11 @@ namespace lode::cli {
 namespace {
 
 Result<void> check_model_verify(const TerrainVerifyJob& job, const CLI::App& app) {
+  if (!job.surface.empty())
+    return fail(
+        "{}: expected the raster or points that it was built of with --surface, as in lode verify "
+        "dem.tif --surface {}, got a .lode file",
+        job.input, job.surface);
   LODE_CHECK(check_only_terrain(app, job.input, {"--against"}));
   if (!job.original.empty() && !is_terrain_path(job.original))
     return fail("--against: expected the raster or points that {} was built of, got {}", job.input,

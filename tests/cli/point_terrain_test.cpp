@@ -187,6 +187,49 @@ TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
   EXPECT_EQ(extracted("turned.csv").at("positions"), 55);
 }
 
+TEST_F(cli_points, on_both_sides_of_180_degrees_lie_side_by_side) {
+  const auto write = [&](const std::string& name, bool is_turned) {
+    std::string text;
+    for (int i = 0; i < 41 * 9; ++i) {
+      const int tenths = 1780 + i % 41;
+      const double x = (tenths > 1800 && is_turned ? tenths - 3600 : tenths) / 10.0;
+      text += fmt::format("{} {} {}\n", x, 10 + i / 41 * 0.1, (i * 37) % 101);
+    }
+    write_bytes(scratch_ / name, text);
+    write_bytes(scratch_ / (name + ".csv"), is_turned
+                                                ? "179.05,10.05\n-178.95,10.05\n-179.5,10.75\n"
+                                                : "179.05,10.05\n181.05,10.05\n180.5,10.75\n");
+  };
+  write("split.xyz", true);
+  write("whole.xyz", false);
+  const auto run = [&](const char* command, const std::string& name, Words more) {
+    Words words{command, scratch_ / name};
+    words.insert(words.end(), more.begin(), more.end());
+    words.insert(words.end(), {"--crs", "EPSG:4326", "--json"});
+    return run_lode(words);
+  };
+  const Finished split = run("info", "split.xyz", {});
+  EXPECT_EQ(split.json().at("turned_points"), 20 * 9);
+  EXPECT_NE(split.err.find("split.xyz: points lie on both sides"), std::string::npos) << split.err;
+  EXPECT_EQ(run("info", "whole.xyz", {}).json().at("turned_points"), 0);
+  EXPECT_EQ(split.json().at("extent").at("x"), (std::vector<double>{178, 182}));
+  for (const bool has_outline : {false, true}) {
+    const auto extracted = [&](const std::string& name) {
+      Words words{scratch_ / (name + ".ply"), "--max-error", "9"};
+      if (has_outline) words.insert(words.end(), {"--outline", scratch_ / (name + ".csv")});
+      const auto json = run("extract", name, words).json();
+      return std::pair{json.at("positions").get<int>(), json.at("triangles").get<int>()};
+    };
+    EXPECT_EQ(extracted("split.xyz"), extracted("whole.xyz"));
+    if (has_outline) EXPECT_LT(extracted("split.xyz").first, 41 * 9);
+  }
+  for (const char* at : {"179.43,10.33", "-179.57,10.33", "180.43,10.33"}) {
+    const auto height = run("height", "split.xyz", {"--at", at}).json();
+    const auto expected = run("height", "whole.xyz", {"--at", at}).json();
+    EXPECT_EQ(height.at("points"), expected.at("points")) << at;
+  }
+}
+
 TEST_F(cli_points, takes_outlines_of_geojson_with_holes_in_their_own_crs) {
   // The hill is round 500100, 4000075 of zone 33 (15 degrees east): 200 x 150 m.
   const auto ring = [](double west, double east, double south, double north) {

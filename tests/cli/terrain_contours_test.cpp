@@ -143,7 +143,9 @@ TEST_F(cli_terrain_contours, refuse_what_cannot_be_meant) {
   refuse({out, "--isovalue", "3,,4"}, {"--isovalue"});
   refuse({scratch_ / "out.shp", "--interval", "5"}, {"out.shp", ".gpkg"});
   refuse({scratch_ / "out.ply", "--interval", "5"}, {"out.ply", ".vtp"});
-  refuse({scratch_ / "out.vtp", "--interval", "5", "--polygons"}, {"--polygons", ".gpkg"});
+  for (const char* name : {"out.vtp", "out.shp"})
+    refuse({scratch_ / name, "--interval", "5", "--polygons"},
+           {"--polygons", ".gpkg or .geojson", name});
   refuse({out, "--interval", "1e-9"}, {"--interval", "at most"}, 1);
   refuse({scratch_ / "out.geojson", "--interval", "50"}, {"out.geojson", "CRS", ".gpkg"}, 1);
   refuse({"/none/such/out.gpkg", "--interval", "50"}, {"out.gpkg"}, 1);
@@ -170,6 +172,27 @@ TEST(cli_contours_of_no_crs, are_lines_for_terrain_of_none) {
                                  "50", "--breaklines", lines, "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_GT(run.json().at("lines").at("breaklines").at("lines"), 0);
+}
+
+TEST(cli_contours_of_no_crs, are_in_degrees_once_it_is_told) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  const std::string lines = scratch / "lines.geojson";
+  write_dem(dem);
+  Words words{"contours", dem, lines, "--interval", "200"};
+  expect_refusal(run_lode(words), 1, {"dem.asc", "--crs"});
+  words.insert(words.end(), {"--crs", "EPSG:32611"});
+  ASSERT_EQ(run_lode(words).exit_code, 0);
+  Words lined{"extract", dem, scratch / "out.ply", "--max-error", "50", "--breaklines", lines};
+  expect_refusal(run_lode(lined), 1, {"lines.geojson", "--crs"});
+  lined.insert(lined.end(), {"--crs", "EPSG:32611", "--json"});
+  const auto json = run_lode(lined).json();
+  EXPECT_EQ(json.at("lines").at("breaklines").at("outside"), 0);
+  EXPECT_GT(json.at("lines").at("edges"), 0);
+  write_dem_crs(scratch / "dem.prj");
+  lined[lined.size() - 2] = "EPSG:4326";
+  lined.pop_back();
+  expect_refusal(run_lode(lined), 1, {"dem.asc", "one of its own", "EPSG:4326"});
 }
 
 }  // namespace

@@ -245,6 +245,55 @@ TEST(cli_terrain, refuses_what_cannot_be_meant) {
                  {"--encoding"});
 }
 
+TEST(cli_terrain, info_says_where_it_is) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const auto bare = run_lode({"info", dem, "--json"}).json();
+  EXPECT_EQ(bare.at("extent").at("x"), (std::vector<double>{500015, 501185}));
+  EXPECT_EQ(bare.at("extent").at("y"), (std::vector<double>{4000015, 4000885}));
+  EXPECT_EQ(bare.at("cell_size"), (std::vector<double>{30, 30}));
+  EXPECT_EQ(bare.at("place_unit"), nullptr);
+  EXPECT_EQ(bare.at("pixels"), "areas");
+  EXPECT_EQ(run_lode({"info", dem, "--crs", "EPSG:32611", "--json"}).json().at("place_unit"),
+            "metre");
+  const std::string text = run_lode({"info", dem}).out;
+  for (const char* words : {"500,015", "501,185", "4,000,885", "30 x 30", "areas"})
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  ASSERT_EQ(run_lode({"build", dem, scratch / "dem.lode"}).exit_code, 0);
+  EXPECT_EQ(run_lode({"info", scratch / "dem.lode", "--json"}).json().at("extent"),
+            bare.at("extent"));
+}
+
+TEST(cli_terrain, keeps_digits_of_esri_ascii) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_bytes(dem,
+              "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+              "1000000000.00 1000000000.10 1000000000.20\n1000000000.10 1000000000.20 "
+              "1000000000.00\n1000000000.20 1000000000.00 1000000000.10\n");
+  EXPECT_NE(run_lode({"info", dem}).out.find("1,000,000,000.0000 to 1,000,000,000.2000"),
+            std::string::npos)
+      << run_lode({"info", dem}).out;
+  const auto json =
+      run_lode({"height", dem, "--at", "0.5,1.5", "--max-error", "0", "--json"}).json();
+  EXPECT_EQ(json.at("points").at(0).at("height"), 1000000000.1) << json.dump(2);
+}
+
+TEST(cli_terrain, names_what_to_ask_instead) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  const std::string file = scratch / "dem.lode";
+  write_dem(dem);
+  ASSERT_EQ(run_lode({"build", dem, file}).exit_code, 0);
+  expect_refusal(run_lode({"verify", file, "--surface", scratch / "dem.ply"}), 2,
+                 {"dem.lode", "the raster", "--surface", "dem.ply"});
+  expect_refusal(run_lode({"extract", dem, scratch / "dem.ply", "--tiles"}), 2, {"lode tiles"});
+  write_dem(scratch / "row.asc", 40, 1);
+  expect_refusal(run_lode({"tiles", scratch / "row.asc", scratch / "tiles", "--max-error", "1"}), 1,
+                 {"row.asc", "two columns and rows", "40 x 1"});
+}
+
 TEST(cli_terrain, names_the_file_and_the_reason_where_there_is_no_terrain) {
   const Scratch scratch;
   const std::string out = scratch / "dem.ply";

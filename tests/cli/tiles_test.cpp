@@ -229,6 +229,7 @@ TEST_F(cli_tiles, are_refused_of_what_is_not_on_the_globe) {
   const Finished metres = cut();
   EXPECT_EQ(metres.exit_code, 1);
   EXPECT_NE(metres.err.find("expected latitudes from -90 to 90"), std::string::npos) << metres.err;
+  EXPECT_NE(metres.err.find("--crs and --resample"), std::string::npos) << metres.err;
   EXPECT_FALSE(std::filesystem::exists(folder_));
   EXPECT_EQ(run_lode({"tiles", dem_, folder_, "--max-error", "0"}).exit_code, 2);
   EXPECT_EQ(run_lode({"tiles", dem_, folder_}).exit_code, 2);

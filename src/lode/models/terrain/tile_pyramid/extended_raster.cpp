@@ -43,6 +43,9 @@ Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill)
   const auto& g = frame.to_world;
   if (g[2] != 0 || g[4] != 0 || !(g[1] != 0) || !(g[5] != 0))
     return fail("expected columns along longitudes and rows along latitudes, got a raster turned");
+  if (frame.n_columns < 2 || frame.n_rows < 2)
+    return fail("expected a raster of two columns and rows or more, got {} x {}", frame.n_columns,
+                frame.n_rows);
   ExtendedRaster raster;
   raster.n_stored_ = frame.n_columns;
   raster.n_rows_ = frame.n_rows;
@@ -62,7 +65,11 @@ Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill)
   const double last = raster.latitude(static_cast<double>(frame.n_rows - 1));
   const double slack = kTolerance * std::abs(g[5]);
   if (std::max(std::abs(g[3]), std::abs(last)) > 90 + slack)
-    return fail("expected latitudes from -90 to 90 degrees, got samples from {} to {}", g[3], last);
+    return fail("expected latitudes from -90 to 90 degrees, got samples from {} to {}{}", g[3],
+                last,
+                frame.crs.empty() ? " in a raster that says no CRS: with --crs and --resample one "
+                                    "that is projected is put in degrees"
+                                  : "");
   raster.north_ = std::clamp(g[3], -90.0, 90.0);
   if (frame.n_rows > 1)
     raster.step_y_ = (std::clamp(last, -90.0, 90.0) - raster.north_) / (frame.n_rows - 1);
