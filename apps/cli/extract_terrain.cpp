@@ -106,6 +106,7 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
     if (!report.is_uniform) said += ", in the focus";
     table.add({"max error", std::move(said)});
   }
+  if (answer.options.focus) add_focus_rows(*answer.options.focus, table);
   if (report.view) add_view_rows(*answer.options.focus, *report.view, table);
   table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
   add_clip_row(answer.clip, table);

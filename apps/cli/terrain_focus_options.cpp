@@ -5,6 +5,7 @@
 
 #include "parse.h"
 #include "render_tetra.h"
+#include "terrain_query.h"
 #include "tolerance.h"
 
 namespace lode::cli {
@@ -129,6 +130,7 @@ Json focus_json(const std::optional<TerrainFocus>& focus,
   if (focus->point) {
     json["point"] = {(*focus->point)[0], (*focus->point)[1]};
     json["growth"] = focus->growth;
+    add_metric(focus->metric, json);
   }
   json["view"] = nullptr;
   if (focus->view && report)
@@ -142,6 +144,12 @@ Json focus_json(const std::optional<TerrainFocus>& focus,
   json["max_error_outside"] =
       focus->max_error_outside ? Json(*focus->max_error_outside) : Json(nullptr);
   return json;
+}
+
+void add_focus_rows(const TerrainFocus& focus, Table& table) {
+  if (!focus.point) return;
+  table.add({"growth", fmt::format("{}, distances in {}", format_number(focus.growth),
+                                   describe_metric(focus.metric))});
 }
 
 void add_view_rows(const TerrainFocus& focus, const TerrainViewReport& report, Table& table) {

@@ -43,6 +43,9 @@ void warn_of_boxes(const TerrainFocus& focus, const HeightFrame& frame, Session&
 /// TerrainViewReport::achieved_px.
 [[nodiscard]] std::string describe_achieved(double pixels);
 
+/// What a point's --growth is for.
+void add_focus_rows(const TerrainFocus& focus, Table& table);
+
 /// Rows of what is seen.
 void add_view_rows(const TerrainFocus& focus, const TerrainViewReport& report, Table& table);
 

@@ -280,6 +280,25 @@ TEST(cli_terrain, keeps_digits_of_esri_ascii) {
   EXPECT_EQ(json.at("points").at(0).at("height"), 1000000000.1) << json.dump(2);
 }
 
+TEST(cli_terrain, says_how_growth_is_measured) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const auto focus = [&](const std::string& crs) {
+    return run_lode({"extract", dem, scratch / "dem.ply", "--model", "delaunay_pyramid",
+                     "--max-error", "1", "--focus-point", "500300,4000300", "--growth", "0.01",
+                     "--crs", crs, "--json"})
+        .json()
+        .at("focus");
+  };
+  EXPECT_EQ(focus("EPSG:32611").at("distance_unit"), "metre");
+  EXPECT_EQ(focus("EPSG:32611").at("ellipsoid"), nullptr);
+  const Finished run =
+      run_lode({"extract", dem, scratch / "dem.ply", "--model", "delaunay_pyramid", "--max-error",
+                "1", "--focus-point", "500300,4000300", "--growth", "0.01"});
+  EXPECT_NE(run.out.find("0.01, distances in units of x and y"), std::string::npos) << run.out;
+}
+
 TEST(cli_terrain, names_what_to_ask_instead) {
   const Scratch scratch;
   const std::string dem = scratch / "dem.asc";
