@@ -168,10 +168,9 @@ void warn_of_seams(const TetraReport& report, const Refusals& refusals, Session&
   for (const auto& [rule, n] : refusals)
     if (rule == "non-manifold" && n > 0)
       session.warn(fmt::format(
-          "--weld: {} vertices have more than one fan of cells round them, and stay in the base: "
-          "where the faces on both sides of a seam are cut differently, welding its points joins "
-          "no cells; without --weld the sides stay apart",
-          format_count(n)));
+          "--weld: {} of the base {} as non-manifold; where the faces on both sides of a seam are "
+          "cut differently, welding its points joins no cells: compare a build without it",
+          n == 1 ? "1 vertex" : format_count(n) + " vertices", n == 1 ? "stays" : "stay"));
 }
 
 }  // namespace
@@ -246,7 +245,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   for (const auto& [rule, n_kept] : built->refusals) {
     json["base_vertices_kept"][rule] = n_kept;
     kept += fmt::format("{}{} {}", kept.empty() ? "" : ", ", format_count(n_kept),
-                        rule == "limit" ? "within the cells asked for" : rule);
+                        rule == "limit" ? "that no rule keeps" : rule);
   }
   if (!kept.empty()) table.add({"base vertices kept", kept});
   table.add({"boundary moved", format_number(built->info.boundary_deviation) + " at most"});

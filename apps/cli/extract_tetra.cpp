@@ -58,10 +58,12 @@ void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
         fmt::format("--max-cells is not met: the coarsest mesh has {} simplices", n_cells));
 }
 
-std::string tetra_comment(const char* kind, const TetraInput& input, const TetraAnswer& made) {
+std::string tetra_comment(const char* kind, const TetraInput& input, const TetraAnswer& made,
+                          const std::string& opacity) {
   std::string text =
       fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
                   made.max_error, made.achieved_error, name_of(input.field().error_place));
+  if (!opacity.empty()) text += fmt::format(", as the opacity of {} weighs it", opacity);
   if (const auto time = input.time()) text += fmt::format("; time {}", *time);
   for (const Attribute& more : made.attributes)
     text += fmt::format("; {}: error {} {}", more.name, more.error, name_of(place_of(input, more)));
@@ -89,6 +91,7 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
   json["max_error"] = made.max_error;
   json["max_error_is_default"] = made.is_default;
   json["achieved_error"] = made.achieved_error;
+  if (!job.query.opacity.empty()) json["opacity"] = job.query.opacity;
   json["error_kind"] = name_of(field.error_place);
   json["boundary_deviation"] = info.boundary_deviation;
   json.update(counts);
@@ -270,7 +273,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   made.attributes = without_values(mesh.attributes);
   const Stopwatch watch;
   LODE_CHECK(write_mesh(job.output, mesh,
-                        {.comment = tetra_comment("mesh", input, made),
+                        {.comment = tetra_comment("mesh", input, made, job.query.opacity),
                          .value_name = field.name,
                          .time = input.time()},
                         session.progress()));
@@ -353,10 +356,11 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
                            : !job.query.sections.empty() ? "section"
                                                          : "isosurface";
   const Stopwatch watch;
-  LODE_CHECK(write_surface(
-      job.output, surface,
-      {.comment = tetra_comment(kind, input, made), .value_name = field.name, .time = input.time()},
-      session.progress()));
+  LODE_CHECK(write_surface(job.output, surface,
+                           {.comment = tetra_comment(kind, input, made, job.query.opacity),
+                            .value_name = field.name,
+                            .time = input.time()},
+                           session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;

@@ -94,6 +94,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["field"] = field.name;
   json["max_error"] = made.mesh.max_error;
   json["achieved_error"] = made.mesh.achieved_error;
+  if (!job.picture.opacity.empty()) json["opacity"] = job.picture.opacity;
   json["largest_error"] = made.mesh.largest_error;
   json["error_kind"] = name_of(field.error_place);
   json["cells"] = made.mesh.n_cells;

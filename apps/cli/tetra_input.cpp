@@ -155,7 +155,11 @@ Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
 namespace {
 
 Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& reading) {
-  std::vector<std::string> names{reading.field};
+  const bool is_vector =
+      reading.field.ends_with(kVector) &&
+      std::ranges::find(info.fields, reading.field, &TetraFieldInfo::name) == info.fields.end();
+  std::vector<std::string> names =
+      is_vector ? components_of(reading.field) : std::vector{reading.field};
   for (std::string& name : names_of_with(reading)) names.push_back(std::move(name));
   LODE_TRY(const std::vector<std::size_t> places, named_fields(info, names, reading.time));
   TetraFieldUse use{.measured = places[0]};
@@ -339,6 +343,12 @@ std::string why_missing(const CellMesh& cells, const std::string& field) {
   return {};
 }
 
+bool has_field(const CellMesh& cells, const std::string& name) {
+  return std::ranges::find(cells.point_fields, name, &MeshField::name) !=
+             cells.point_fields.end() ||
+         std::ranges::find(cells.cell_fields, name, &MeshField::name) != cells.cell_fields.end();
+}
+
 /// NAME:xyz is all of a vector.
 Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& reading) {
   std::vector<std::string> names{reading.field};
@@ -361,11 +371,15 @@ Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& readin
 
 Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
                                           Session& session) {
-  LODE_TRY(const TetraOptions options, to_tetra_options(reading));
+  LODE_TRY(TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cells(path, reading, session));
   if (!reading.time.empty() && !needs_vtk_import(path) && cells.times.empty())
     return fail("{}: expected no --time, as it has no field at several times, got {}", path,
                 reading.time);
+  if (reading.field.ends_with(kVector) && has_field(cells, reading.field)) {  // it is one's name
+    options.fields.erase(options.fields.begin() + 1, options.fields.begin() + 3);
+    options.fields[0] = reading.field;
+  }
   LODE_CHECK(check_vectors(cells, reading));
   const std::string why = why_missing(cells, reading.field);
   std::string names;

@@ -66,7 +66,7 @@ struct TetraInput {
 /// empty text is none.
 [[nodiscard]] Result<void> check_opacity(const std::string& preset_or_path);
 /// What is said of an error that a transfer function weighs.
-inline constexpr const char* kWhereShown = ", that counts as much as the extinction does there";
+inline constexpr const char* kWhereShown = ", times extinction as a share of the largest";
 
 /// Opens a .lode file, or builds the hierarchy of a foreign file's cells in memory and says so on
 /// stderr.

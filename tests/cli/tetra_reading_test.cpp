@@ -81,6 +81,10 @@ TEST_F(cli_tetra_reading, takes_three_components_for_a_vector) {
   const nlohmann::json built = report({"build", input_, model_, "--field", "v:xyz"});
   ASSERT_EQ(built.at("fields").size(), 3U);
   EXPECT_EQ(built.at("fields")[2].at("name"), "v:2");
+  const nlohmann::json cut =
+      report({"extract", model_, scratch_ / "v.vtu", "--mesh", "--field", "v:xyz"});
+  EXPECT_EQ(cut.at("field"), "v:0");
+  EXPECT_EQ(cut.at("with").size(), 2U);
   report({"build", input_, model_, "--field", "t"});
   const std::string all = scratch_ / "all.lode";
   EXPECT_EQ(report({"attach-field", model_, input_, all, "--field", "v:xyz"}).at("attached"), 3);
@@ -110,7 +114,9 @@ TEST_F(cli_tetra_reading, is_as_fine_as_a_transfer_function_shows_it) {
   const auto cells = [&](const Words& options) -> int {
     Words words{"extract", model_, scratch_ / "out.vtu", "--mesh", "--max-error", "1%"};
     words.insert(words.end(), options.begin(), options.end());
-    return report(words).at("cells");
+    const nlohmann::json cut = report(words);
+    EXPECT_LE(cut.at("achieved_error"), cut.at("max_error"));
+    return cut.at("cells");
   };
   // As within the values that it shows, where all of them count alike.
   write_bytes(knots, fmt::format("{} 1 0 0 0\n{} 1 0 0 1\n10 1 0 0 1\n", shown - 1e-6, shown));

@@ -320,6 +320,15 @@ TEST(medit_binary, files_whose_data_reach_into_the_next_keyword_are_refused) {
                             {"at byte 112, got some to byte 128"});
 }
 
+TEST(medit_binary, files_that_have_more_than_they_count_are_refused) {
+  const TempDir directory;
+  std::string bytes = mesh_bytes({.version = 1});
+  ASSERT_EQ(bytes[28], 5);
+  bytes[28] = 4;
+  test::expect_mesh_failure(directory.write("x.meshb", bytes),
+                            {"at byte 96, behind as many vertices", "got byte 112"});
+}
+
 TEST(medit_binary, keywords_that_share_their_data_do_not_take_more_memory_than_the_file) {
   constexpr std::int32_t kVerticesCode = 4;
   constexpr std::int32_t kHead = 12;

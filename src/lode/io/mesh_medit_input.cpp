@@ -63,8 +63,12 @@ Result<void> MeditInput::read_binary_head() {
   return {};
 }
 
-Result<std::string> MeditInput::binary_keyword() {
+Result<std::string> MeditInput::binary_keyword(std::string_view before) {
   if (next_ == 0) return std::string();
+  if (!before.empty() && text_.position() < next_)
+    return fail(
+        "{}: expected a keyword at byte {}, behind as many {} as the file says, got byte {}",
+        path(), text_.position(), before, next_);
   // Else many keywords could take the same bytes as their data, again and again.
   if (text_.position() > next_)
     return fail(
@@ -84,7 +88,7 @@ Result<std::string> MeditInput::binary_keyword() {
 }
 
 Result<std::string> MeditInput::keyword(std::string_view before) {
-  if (is_binary_) return binary_keyword();
+  if (is_binary_) return binary_keyword(before);
   const std::string_view word = text_.word();
   if (!before.empty() && to_double(word))
     return fail("{}: expected a keyword behind as many {} as the file says, got {}", where(),

@@ -40,7 +40,7 @@ class MeditInput {
   explicit MeditInput(MeshText&& text) : text_(std::move(text)) {}
 
   [[nodiscard]] Result<void> read_binary_head();
-  [[nodiscard]] Result<std::string> binary_keyword();
+  [[nodiscard]] Result<std::string> binary_keyword(std::string_view before);
   [[nodiscard]] Result<std::int64_t> number(std::string_view what, ScalarType type,
                                             std::int64_t low, std::int64_t high);
 
