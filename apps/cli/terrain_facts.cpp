@@ -62,8 +62,11 @@ Result<void> add_extent(const TerrainFacts& facts, Json& json, Table& table) {
   json["cell_size"] = is_of_cells ? Json(cell) : Json(nullptr);
   const auto between = [&](std::size_t axis) {
     const double step = std::min(cell[axis], box.upper[axis] - box.lower[axis]);
-    return fmt::format("{} to {}", format_height(box.lower[axis], step),
-                       format_height(box.upper[axis], step));
+    // To be typed again as a place, where a comma would part numbers.
+    std::string text = fmt::format("{} to {}", format_height(box.lower[axis], step),
+                                   format_height(box.upper[axis], step));
+    std::erase(text, ',');
+    return text;
   };
   table.add({"extent of x", between(0)});
   table.add({"extent of y", between(1)});

@@ -34,6 +34,13 @@ TEST_F(height_samples, takes_doubles_of_esri_ascii_whose_digits_floats_lose) {
   EXPECT_EQ(marked.type, "float64");
   EXPECT_EQ(marked.grid.n_missing(), 1U);
   EXPECT_EQ(written("-3.4028234663852886e+38", "1.5 -3.40282346638529e+38 8").type, "float32");
+  // What is no float is that nearest to it, in any digits, and what is one is itself alone.
+  const HeightRaster decimal = written("-9999.9", "-9999.900391 812.1234567 3");
+  EXPECT_EQ(decimal.type, "float64");
+  EXPECT_EQ(decimal.grid.n_missing(), 1U);
+  const HeightRaster close = written("1000000000", "1000000000.00 1000000000.10 3.5");
+  EXPECT_EQ(close.type, "float64");
+  EXPECT_EQ(close.grid.n_missing(), 1U);
   // Whole numbers are exact as such, but not beside fractions, nor beyond 32 bits.
   expect_samples(written("-9999", "16777217 2147483647 -5").grid, {16777217, 2147483647, -5});
   expect_samples(written("-9999.0", "16777217 2147483647 -5").grid, {16777217, 2147483647, -5});
@@ -98,6 +105,18 @@ TEST_F(height_samples, takes_a_crs_for_what_has_none) {
       read((*this)("a.asc"), {.crs = "EPSG:32611", .to_degrees = Resampling::bilinear});
   EXPECT_NE(degrees.grid.crs.find("4326"), std::string::npos);
   EXPECT_NE(refusal((*this)("a.asc"), {.crs = "EPSG:none"}).find("EPSG:none"), std::string::npos);
+  // One beside the file is the same in whatever order its axes are, and a place is needed.
+  std::ofstream((*this)("b.asc")) << "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+                                     "1 2\n3 4\n";
+  std::ofstream((*this)("b.prj"))
+      << R"(GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",SPHEROID["WGS_1984",6378137,298.257223563]],)"
+         R"(PRIMEM["Greenwich",0],UNIT["Degree",0.0174532925199433]])";
+  EXPECT_EQ(read((*this)("b.asc"), {.crs = "EPSG:4326"}).grid.crs, read((*this)("b.asc")).grid.crs);
+  EXPECT_NE(refusal((*this)("b.asc"), {.crs = "EPSG:32611"}).find("one of its own"),
+            std::string::npos);
+  write_raster((*this)("nowhere.tif"), {.samples = twelve(1)});
+  EXPECT_NE(refusal((*this)("nowhere.tif"), {.crs = "EPSG:4326"}).find("says where it is"),
+            std::string::npos);
   // One that the file has is taken again, and no other.
   write_raster((*this)("own.tif"), {.samples = twelve(1),
                                     .geotransform = std::array<double, 6>{0, 1, 0, 0, 0, -1},

@@ -121,6 +121,7 @@ TEST(round_terrain, counts_longitudes_of_points_from_their_widest_gap) {
   EXPECT_EQ(from({-80, 80}, degrees()), std::nullopt);
   EXPECT_EQ(from({-178, 178}, {}), std::nullopt) << "in a plane";
   EXPECT_EQ(from({-178, 178, 900}, degrees()), std::nullopt) << "no longitudes";
+  EXPECT_EQ(from({500000, 500001, 500250}, degrees()), std::nullopt) << "no longitudes";
   std::vector<Vec3d> points{{{-178, 1, 2}}, {{178, 3, 4}}};
   EXPECT_EQ(turn_places(degrees(), 0, points), 1U);
   EXPECT_NEAR(points[0][0], 182, 1e-12);

@@ -72,14 +72,10 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
           .vertical = file.vertical};
 }
 
-/// Points on both sides of where longitudes jump, and their outline, side by side; how many points
-/// were moved, and by a turn.
-std::uint64_t bring_together(const HorizontalMetric& metric, io::PointFile& file,
-                             std::vector<PlacePolygon>& outline) {
+/// Points on both sides of where longitudes jump, side by side; how many were moved, and by a turn.
+std::uint64_t bring_together(const HorizontalMetric& metric, io::PointFile& file) {
   const auto from = turn_from(metric, file.points);
   if (!from) return 0;
-  for (PlacePolygon& polygon : outline)
-    for (auto& ring : polygon) turn_places(metric, *from, ring);
   // Where a turn is no number of steps, points would be moved to nodes of another lattice.
   const double n_steps = whole_turn(metric) / file.lattice.step;
   constexpr double kRounding = 1e-3;
@@ -141,7 +137,8 @@ Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOpti
     LODE_TRY(domain.outline, io::polygons_in(outline, file.crs));
   }
   LODE_TRY(const HorizontalMetric metric, naming(path, io::read_metric(file.crs), progress));
-  const std::uint64_t n_turned = bring_together(metric, file, domain.outline);
+  // An outline says which longitudes are meant, and may go round where points would be parted.
+  const std::uint64_t n_turned = domain.outline.empty() ? bring_together(metric, file) : 0;
   LODE_TRY(PointTerrain made,
            naming(path, make_point_terrain(file.points, file.lattice, metric, domain, progress),
                   progress));

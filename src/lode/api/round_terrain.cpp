@@ -87,6 +87,7 @@ std::optional<double> turn_from(const HorizontalMetric& metric, std::span<const 
   const double turn = whole_turn(metric);
   const auto [west, east] =
       std::ranges::minmax(points, {}, [](const Vec3d& point) { return point[0]; });
+  if (!is_longitude(metric, west[0]) || !is_longitude(metric, east[0])) return std::nullopt;
   const double extent = east[0] - west[0];
   if (extent <= turn / 2 || extent > turn * (1 + 1e-9)) return std::nullopt;
   std::vector<double> longitudes;

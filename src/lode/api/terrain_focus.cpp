@@ -108,6 +108,13 @@ TerrainFocus focus_near(TerrainFocus focus, const HeightFrame& frame) {
 PlaceBox near_terrain(const PlaceBox& box, const HorizontalMetric& metric,
                       const HeightFrame& frame) {
   PlaceBox near = box;
+  const double turn =
+      metric.ellipsoid ? whole_turn(metric) : std::numeric_limits<double>::infinity();
+  if (box.upper[0] - box.lower[0] >= turn) {  // all longitudes
+    near.lower[0] = std::min(box.lower[0], middle_x(frame) - turn);
+    near.upper[0] = std::max(box.upper[0], middle_x(frame) + turn);
+    return near;
+  }
   const double middle = (box.lower[0] + box.upper[0]) / 2;
   const double shift = turns_towards(metric, middle_x(frame), middle);
   near.lower[0] += shift;

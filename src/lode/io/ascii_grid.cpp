@@ -86,7 +86,9 @@ class Scan {
     const auto value = value_of(word);
     if (!value || !std::isfinite(*value)) return;
     const auto rounded = static_cast<float>(*value);
-    if (nodata_ && rounded == static_cast<float>(*nodata_)) return;
+    if (nodata_ && (*value == *nodata_ ||
+                    (stands_for_float(*nodata_) && rounded == static_cast<float>(*nodata_))))
+      return;
     const bool is_beyond = !std::isfinite(rounded) ||
                            (*value != 0 && std::abs(*value) < std::numeric_limits<float>::min());
     const bool is_lost = n_significant(word) > kFloatDigits && double{rounded} != *value;
@@ -112,6 +114,11 @@ bool begins_as_grid(std::string_view head) {
 }
 
 }  // namespace
+
+bool stands_for_float(double nodata) {
+  constexpr double kNoHeight = 1e30;
+  return std::abs(nodata) > kNoHeight || double{static_cast<float>(nodata)} != nodata;
+}
 
 std::string ascii_grid_type(const std::string& path) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;

@@ -10,4 +10,8 @@ namespace lode::io {
 /// GDAL looks at the beginning only, and takes no more than float32 unless asked.
 [[nodiscard]] std::string ascii_grid_type(const std::string& path);
 
+/// Whether a number that stands for no height in such a grid is none of float32, or one of those
+/// beyond all heights, so that samples may say the same float in other digits.
+[[nodiscard]] bool stands_for_float(double nodata);
+
 }  // namespace lode::io

@@ -1,6 +1,7 @@
 #include "lode/io/gdal_crs.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -101,7 +102,11 @@ Result<void> check_same_crs(const std::string& path, const std::string& own,
   if (!of_file) return fail("{}: {}", path, of_file.error().message);
   if (!of_user) return fail("{}: {}", path, of_user.error().message);
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
-  if (gdal->is_same_crs(of_file->handle(), of_user->handle()) != 0) return {};
+  // Files beside grids do not say the order of axes, which is that of the grid's.
+  constexpr std::array<const char*, 3> kBut{"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES",
+                                            "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
+                                            nullptr};
+  if (gdal->is_same_crs_but(of_file->handle(), of_user->handle(), kBut.data()) != 0) return {};
   return fail("{}: expected no CRS for a raster that has one of its own, {}, got another: {}", path,
               quoted(own), quoted(stated));
 }

@@ -136,6 +136,7 @@ void find_vector_input(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.n_points, "OGR_G_GetPointCount");
   finder.find(gdal.points, "OGR_G_GetPoints");
   finder.find(gdal.is_same_crs, "OSRIsSame");
+  finder.find(gdal.is_same_crs_but, "OSRIsSameEx");
   finder.find(gdal.new_transformation, "OCTNewCoordinateTransformation");
   finder.find(gdal.destroy_transformation, "OCTDestroyCoordinateTransformation");
   finder.find(gdal.transform, "OCTTransform");

@@ -61,6 +61,7 @@ struct GdalLibrary {
   decltype(&OGR_G_GetPointCount) n_points = nullptr;
   decltype(&OGR_G_GetPoints) points = nullptr;
   decltype(&OSRIsSame) is_same_crs = nullptr;
+  decltype(&OSRIsSameEx) is_same_crs_but = nullptr;
   decltype(&OCTNewCoordinateTransformation) new_transformation = nullptr;
   decltype(&OCTDestroyCoordinateTransformation) destroy_transformation = nullptr;
   decltype(&OCTTransform) transform = nullptr;

@@ -120,6 +120,11 @@ Result<void> GdalRaster::place(HeightRaster& raster) const {
   HeightGrid& grid = raster.grid;
   std::array<double, 6> g{};
   raster.has_place = gdal_->geotransform(dataset_, g.data()) == CE_None;
+  if (!raster.has_place && !stated_crs_.empty())
+    return fail(
+        "{}: expected a raster that says where it is, as a world file beside it does, for a CRS to "
+        "be stated, got none",
+        path_);
   grid.crs = crs();
   if (source_ != nullptr) {
     LODE_TRY(grid.crs, crs_of_degrees());

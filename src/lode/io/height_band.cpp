@@ -1,4 +1,5 @@
 #include "lode/io/height_band.h"
+#include "lode/io/ascii_grid.h"
 
 #include <algorithm>
 #include <array>
@@ -57,10 +58,9 @@ struct BandMask {
     if (is_of_user) nodata = options.nodata;
     is_float32 = gdal.type(of) == GDT_Float32 || is_of_floats(raster, nodata);
   }
-  /// ESRI ASCII grids that are read as doubles: what stands for the least float has any digits.
+  /// ESRI ASCII grids that are read as doubles: what stands for a float has any digits.
   static bool is_of_floats(const GdalRaster& raster, const std::optional<double>& nodata) {
-    constexpr double kNoHeight = 1e30;
-    return nodata && std::abs(*nodata) > kNoHeight && raster.format() == "AAIGrid";
+    return nodata && raster.format() == "AAIGrid" && stands_for_float(*nodata);
   }
   /// Of a sample as stored. Files and people say in decimals which float it is.
   [[nodiscard]] bool is_nodata(double sample) const {
