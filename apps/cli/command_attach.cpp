@@ -129,7 +129,7 @@ Command add_attach_command(CLI::App& program) {
       "attach-field", "Add fields, or time steps, to the .lode file of a mesh of cells");
   app->footer(
       "Each MESH must be the one that MODEL was built from, read with the same options: its\n"
-      "field is measured in one pass, and the hierarchy stays as it is, of half edges or midpoints.\n"
+      "field is measured in one pass, and the hierarchy stays, of half edges or midpoints.\n"
       "Errors of fields so attached hold at the mesh's own vertices.\n\n"
       "Examples:\n  lode attach-field wing.lode wing.vtu two.lode --field Pressure\n"
       "  lode attach-field wing.lode s1.vtu s2.vtu all.lode --field Density --at 0.1,0.2\n"

@@ -403,8 +403,8 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
 
 constexpr const char* kFooter =
     "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
-    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut; not\n"
-    "of meshes of cells.\n\n"
+    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut\n"
+    "(not of meshes of cells).\n\n"
     "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
     ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
     "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"

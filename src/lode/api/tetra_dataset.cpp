@@ -243,13 +243,13 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
   // With a tolerance of 0 a demand is the error, as opacity weighs it, and never quite 0.
   const bool is_weighed = !query.opacity.empty();
   if (is_weighed) focused.max_error = 0;
-  constexpr double kNone = 1e-29;
+  constexpr double kNegligible = 1e-29;
   const Demand focus = demand_of(std::move(focused), 2 * surface_margin);
   const auto error_in_focus = [&](const NodeFacts& facts) {
     const bool counts = focus.touches(facts) && (!view || view->shows(facts.bounds));
     if (!counts || !is_weighed) return counts ? facts.error : 0.0;
     const double weighed = focus(facts);
-    return weighed > kNone ? weighed : 0.0;
+    return weighed > kNegligible ? weighed : 0.0;
   };
   made.report.achieved_error = has_candidates ? engine.largest(error_in_focus)
                                               : info.fields[options.fields.measured].base_error;

@@ -58,9 +58,10 @@ const HeightRaster& HeightStream::raster() const { return impl_->raster; }
 
 std::uint64_t HeightStream::n_bytes() const {
   const std::string& type = impl_->raster.type;
-  const std::uint64_t n_sample = type == "byte" || type == "int8" || type == "int16" || type == "uint16" ? 2
-                                 : type == "float32" || type == "terrarium"            ? 4
-                                                                                       : 8;
+  const std::uint64_t n_sample =
+      type == "byte" || type == "int8" || type == "int16" || type == "uint16" ? 2
+      : type == "float32" || type == "terrarium"                              ? 4
+                                                                              : 8;
   return n_sample * static_cast<std::uint64_t>(impl_->raster.grid.n_samples());
 }
 

@@ -43,9 +43,6 @@ Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill)
   const auto& g = frame.to_world;
   if (g[2] != 0 || g[4] != 0 || !(g[1] != 0) || !(g[5] != 0))
     return fail("expected columns along longitudes and rows along latitudes, got a raster turned");
-  if (frame.n_columns < 2 || frame.n_rows < 2)
-    return fail("expected a raster of two columns and rows or more, got {} x {}", frame.n_columns,
-                frame.n_rows);
   ExtendedRaster raster;
   raster.n_stored_ = frame.n_columns;
   raster.n_rows_ = frame.n_rows;

@@ -12,7 +12,7 @@ Result<RepeatedCollapses> repeat_collapses(const TetraMesh& mesh,
                                            std::span<const EdgeCollapse> collapses,
                                            double boundary_tolerance, Threads threads,
                                            Progress& progress) {
-  constexpr std::size_t kOften = 4096;
+  constexpr std::size_t kReportEvery = 4096;
   LODE_CHECK(check_mesh(mesh));
   if (mesh.fields.empty()) return fail("midpoints: expected a field, got none");
   State state(mesh, CollapseOrder::squared_error, boundary_tolerance);
@@ -25,7 +25,7 @@ Result<RepeatedCollapses> repeat_collapses(const TetraMesh& mesh,
   std::vector<std::uint32_t> places(state.outside + std::size_t{1});
   EdgeCollapser block(state, vertices, slots, places);
   for (std::size_t k = 0; k < collapses.size(); ++k) {
-    if (k % kOften == 0) {
+    if (k % kReportEvery == 0) {
       if (progress.is_cancelled()) return cancelled_error();
       progress.report("measuring fields",
                       static_cast<double>(k) / static_cast<double>(collapses.size()));
