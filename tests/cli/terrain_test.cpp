@@ -310,7 +310,7 @@ TEST(cli_terrain, names_what_to_ask_instead) {
   expect_refusal(run_lode({"extract", dem, scratch / "dem.ply", "--tiles"}), 2, {"lode tiles"});
   write_dem(scratch / "row.asc", 40, 1);
   expect_refusal(run_lode({"tiles", scratch / "row.asc", scratch / "tiles", "--max-error", "1"}), 1,
-                 {"row.asc", "two columns and rows", "40 x 1"});
+                 {"row.asc", "once round the world", "40 columns of 30 degrees"});
 }
 
 TEST(cli_terrain, names_the_file_and_the_reason_where_there_is_no_terrain) {
