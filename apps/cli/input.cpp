@@ -114,9 +114,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
     app.add_option(name, value, help)->type_name(type)->group("Reading other formats");
   };
   add("--field", arguments.field, "NAME",
-      "Array to read, where a file holds several; NAME:xyz of a mesh of cells: the three scalars "
-      "of "
-      "a vector, of which the first is asked about");
+      "Array to read, where a file holds several; NAME:xyz of a mesh of cells: all three scalars "
+      "of a vector");
   app.add_option(
          "--with", arguments.with,
          "Of a mesh of cells: a further field, which the answer has, too; NAME:x, y or z is "
@@ -143,9 +142,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
       "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
   add("--region-field", arguments.region_field, "NAME",
       "Of a mesh of cells: the field of its cells whose whole numbers are regions (default: the "
-      "first of Material, MaterialId, RegionId, BlockId and the like); RegionId: the blocks of "
-      "what "
-      "lode-vtk-import reads, with their names");
+      "first of Material, MaterialId, RegionId, BlockId and the like); RegionId: the blocks, with "
+      "their names, that lode-vtk-import reads");
   add("--solution", arguments.solution, "FILE",
       "Of a MEDIT mesh: .sol or .solb with values at its vertices (default: that of its name)");
   add("--placement", arguments.placement, "half-edge|midpoint",

@@ -354,7 +354,7 @@ Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& readin
   std::vector<std::string> names{reading.field};
   names.insert(names.end(), reading.with.begin(), reading.with.end());
   for (const std::string& name : names) {
-    if (!name.ends_with(kVector)) continue;
+    if (!name.ends_with(kVector) || has_field(cells, name)) continue;
     const std::string vector = name.substr(0, name.size() - kVector.size());
     for (const auto* fields : {&cells.point_fields, &cells.cell_fields}) {
       const auto field = std::ranges::find(*fields, vector, &MeshField::name);

@@ -361,6 +361,22 @@ TEST(midpoint_attachment, refuses_collapses_that_the_mesh_has_not_got) {
   EXPECT_FALSE(repeat_collapses(mesh, collapses.collapses, 0, {2}, progress));
 }
 
+/// Whose vertices lie where they do, but by codes from which the build would not make its nodes.
+TEST_F(midpoint_attached_file, is_of_codes_in_the_mesh_s_own_steps) {
+  const TetraMesh mesh = parted_noise(9);
+  Hierarchy hierarchy = test::midpoints_of(with_field(mesh, 0), 100);
+  std::array<Scale, 3> axes = hierarchy.scales.axes();
+  axes[0] = Scale(axes[0].exponent(), axes[0].first() - 1);
+  hierarchy.scales = Scales(axes);
+  for (Code& code : hierarchy.root_codes) ++code[0];
+  ASSERT_TRUE(save(hierarchy, model_, {2}, progress_));
+  const auto made = attach(std::array{with_field(mesh, 1)}, {2});
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("steps of the mesh"), std::string::npos)
+      << made.error().message;
+  EXPECT_FALSE(std::filesystem::exists(output_));
+}
+
 TEST_F(midpoint_attached_file, is_refused_or_made_of_a_file_that_lies) {
   const TetraMesh mesh = parted_noise(9);
   ASSERT_TRUE(save(test::midpoints_of(with_field(mesh, 0), 100), model_, {2}, progress_));
@@ -382,6 +398,7 @@ TEST_F(midpoint_attached_file, is_refused_or_made_of_a_file_that_lies) {
     ASSERT_TRUE(opened) << opened.error().message;
     EXPECT_EQ(opened->forest.head().fields.size(), 2U);
   }
+  EXPECT_GT(n_attached, 0);
   EXPECT_LT(n_attached, 300);
 }
 

@@ -60,6 +60,8 @@ class Scan {
       add_sample(word);
     }
   }
+  /// Whether nothing more can change the type.
+  [[nodiscard]] bool is_settled() const { return needs_double_; }
   [[nodiscard]] std::string type() const {
     if (needs_double_ || (is_fractional_ && needs_integer_)) return "Float64";
     return is_fractional_ ? "Float32" : "";
@@ -79,10 +81,16 @@ class Scan {
     is_fractional_ = !is_whole(word) || !nodata_ || !is_of_int32(*nodata_);
   }
   void add_sample(std::string_view word) {
-    const bool whole = is_whole(word);
-    const bool has_exponent = word.find_first_of("eE") != std::string_view::npos;
+    int n_digits = 0;
+    bool whole = true;
+    bool has_exponent = false;
+    for (const char c : word) {
+      n_digits += is_digit(c) ? 1 : 0;
+      whole = whole && (is_digit(c) || c == '-' || c == '+');
+      has_exponent = has_exponent || c == 'e' || c == 'E';
+    }
     is_fractional_ = is_fractional_ || !whole;
-    if (!has_exponent && n_significant(word) <= kFloatDigits) return;
+    if (!has_exponent && (n_digits <= kFloatDigits || n_significant(word) <= kFloatDigits)) return;
     const auto value = value_of(word);
     if (!value || !std::isfinite(*value)) return;
     const auto rounded = static_cast<float>(*value);
@@ -126,22 +134,27 @@ std::string ascii_grid_type(const std::string& path) {
   constexpr std::size_t kLongestWord = 128;
   std::ifstream file(path, std::ios::binary);
   std::vector<char> piece(kPiece);
-  std::string word;
+  std::string begun;  // A word that the next piece goes on with.
   Scan scan;
-  for (bool is_first = true; file; is_first = false) {
+  for (bool is_first = true; file && !scan.is_settled(); is_first = false) {
     file.read(piece.data(), static_cast<std::streamsize>(kPiece));
     const std::string_view text(piece.data(), static_cast<std::size_t>(file.gcount()));
     if (is_first && !begins_as_grid(text.substr(0, kHead))) return "";
-    for (const char c : text) {
-      if (!is_space(c)) {
-        if (word.size() < kLongestWord) word += c;
-        continue;
-      }
-      if (!word.empty()) scan.add(word);
-      word.clear();
+    for (std::size_t at = 0; at < text.size() && !scan.is_settled();) {
+      std::size_t end = at;
+      while (end < text.size() && !is_space(text[end])) ++end;
+      const std::string_view word = text.substr(at, std::min(end - at, kLongestWord));
+      const bool is_cut = end == text.size() && file;
+      if (is_cut || !begun.empty()) begun += word.substr(0, kLongestWord - begun.size());
+      if (!is_cut && !begun.empty())
+        scan.add(begun);
+      else if (!is_cut && !word.empty())
+        scan.add(word);
+      if (!is_cut) begun.clear();
+      at = end + 1;
     }
   }
-  if (!word.empty()) scan.add(word);
+  if (!begun.empty()) scan.add(begun);
   return scan.type();
 }
 

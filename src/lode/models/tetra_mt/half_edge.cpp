@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/models/tetra_mt/interfaces.h"
+#include "lode/models/tetra_mt/left_mesh.h"
 #include "lode/models/tetra_mt/mesh_check.h"
 #include "lode/models/tetra_mt/space_blocks.h"
 
@@ -18,8 +19,6 @@ constexpr std::size_t kBlockSize = 6000;
 /// Of what is left, how much is to go in a round; and at least of what is left to go.
 constexpr double kRoundShare = 0.2;
 constexpr double kLastShare = 0.6;
-/// How near to the base is enough.
-constexpr double kNearBase = 1.002;
 /// Rounds without much effect, in blocks elsewhere each, after which nothing is left to do.
 constexpr int kMaxIdle = 4;
 constexpr double kMuch = 1e-3;
@@ -138,19 +137,11 @@ class Rounds {
   std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
 };
 
-/// Of all vertices that are left. Where they are there as no more cells had to go, it takes too
-/// long to ask for their samples, which hardly ever refuse.
+/// Of all vertices that are left.
 RefusalCounts count_refusals(BuildState& state, const HalfEdgeOptions& options) {
-  if (static_cast<double>(state.n_cells) <= kNearBase * static_cast<double>(options.base_cells))
-    std::ranges::fill(state.first_sample, kNone);
-  std::vector<std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < state.outside; ++v)
-    if (state.is_there[v] != 0) vertices.push_back(v);
-  std::vector<std::uint32_t> slots;
-  for (std::uint32_t slot = 0; slot < state.tetrahedra.size(); ++slot)
-    if (state.tetrahedra[slot][0] != kNone) slots.push_back(slot);
-  std::vector<std::uint32_t> places(state.outside + std::size_t{1});
-  return BlockCollapser(state, vertices, slots, places, options.rules).count_refusals();
+  LeftMesh left = left_mesh(state, options.base_cells);
+  return BlockCollapser(state, left.vertices, left.slots, left.places, options.rules)
+      .count_refusals();
 }
 
 }  // namespace

@@ -37,6 +37,8 @@ class Scale {
   [[nodiscard]] int exponent() const;
   [[nodiscard]] std::int64_t first() const { return first_; }
 
+  friend bool operator==(const Scale&, const Scale&) = default;
+
  private:
   double step_ = 1;
   std::int64_t first_ = 0;

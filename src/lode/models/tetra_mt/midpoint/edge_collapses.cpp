@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "lode/models/tetra_mt/left_mesh.h"
 #include "lode/models/tetra_mt/mesh_check.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
 #include "lode/models/tetra_mt/space_blocks.h"
@@ -13,12 +14,11 @@
 namespace lode::tetra_mt::midpoint {
 namespace {
 
-/// As for half edges (half_edge.cpp): vertices, shares of what is left that go in a round, how near
-/// to the base is enough, and rounds without much effect after which nothing is left to do.
+/// As for half edges (half_edge.cpp): vertices, shares of what is left that go in a round, and
+/// rounds without much effect after which nothing is left to do.
 constexpr std::size_t kBlockSize = 6000;
 constexpr double kRoundShare = 0.2;
 constexpr double kLastShare = 0.6;
-constexpr double kNearBase = 1.002;
 constexpr int kMaxIdle = 4;
 constexpr double kMuch = 1e-3;
 constexpr std::array<double, 5> kShares{0.5, 0.38, 0.62, 0.44, 0.56};
@@ -156,19 +156,10 @@ class Rounds {
   std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
 };
 
-/// Of all vertices that are left. As for half edges samples are not asked for where vertices are
-/// there as no more cells had to go.
+/// Of all vertices that are left.
 RefusalCounts count_refusals(State& state, const EdgeCollapseOptions& options) {
-  if (static_cast<double>(state.n_cells) <= kNearBase * static_cast<double>(options.base_cells))
-    std::ranges::fill(state.first_sample, kNone);
-  std::vector<std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < state.outside; ++v)
-    if (state.is_there[v] != 0) vertices.push_back(v);
-  std::vector<std::uint32_t> slots;
-  for (std::uint32_t slot = 0; slot < state.tetrahedra.size(); ++slot)
-    if (state.tetrahedra[slot][0] != kNone) slots.push_back(slot);
-  std::vector<std::uint32_t> places(state.outside + std::size_t{1});
-  return EdgeCollapser(state, vertices, slots, places).count_refusals();
+  LeftMesh left = left_mesh(state, options.base_cells);
+  return EdgeCollapser(state, left.vertices, left.slots, left.places).count_refusals();
 }
 
 }  // namespace

@@ -43,8 +43,14 @@ Result<std::vector<Vec3d>> positions_of_leaves(const Forest& forest) {
   }
   LODE_CHECK(forest.check());
   std::vector<Vec3d> positions;
-  for (std::uint32_t leaf = 0; leaf < head.n_vertices; ++leaf)
-    positions.push_back(forest.position(leaf, codes[leaf]));
+  for (std::uint32_t leaf = 0; leaf < head.n_vertices; ++leaf) {
+    const Code& code = codes[leaf];
+    const Vec3d& at = positions.emplace_back(forest.position(leaf, code));
+    // Else offsets would make up for it, and nodes lie elsewhere than their leaves' do.
+    if (head.scales.code(at) != PositionCode{code[0], code[1], code[2]})
+      return fail("expected leaf {} to have the code of its place, {}, {}, {}, got another", leaf,
+                  at[0], at[1], at[2]);
+  }
   LODE_CHECK(forest.check());
   return positions;
 }
@@ -71,6 +77,7 @@ Result<ReferenceMesh> ReferenceMesh::of(const Forest& forest,
                                         Progress& progress) {
   ReferenceMesh made;
   LODE_TRY(made.positions_, positions_of_leaves(forest));
+  made.scales_ = forest.head().scales;
   made.leaves_ = by_place(made.positions_);
   std::size_t n_told = 0;
   for (const CoincidentRun& run : coincident_runs(made.positions_, made.leaves_)) {
@@ -108,13 +115,14 @@ Result<std::vector<std::uint32_t>> ReferenceMesh::match(const TetraMesh& mesh) c
     const Vec3d& theirs = mesh.positions[order[i]];
     if (!is_same_place(ours, theirs))
       return fail(
-          "expected the mesh that was built, with a vertex at {}, {}, {}, got one with vertex {} "
-          "at "
-          "{}, {}, {}",
+          "expected the mesh that was built, with a vertex at {}, {}, {}, got vertex {} at {}, {}, "
+          "{}",
           ours[0], ours[1], ours[2], order[i], theirs[0], theirs[1], theirs[2]);
     vertices[leaves_[i]] = order[i];
     leaf_of[order[i]] = leaves_[i];
   }
+  if (Scales(mesh).axes() != scales_.axes())
+    return fail("expected codes of positions in the steps of the mesh that was built, got others");
   std::vector<Tetrahedron> theirs = mesh.tetrahedra;
   for (Tetrahedron& t : theirs)
     for (std::uint32_t& v : t) v = leaf_of[v];

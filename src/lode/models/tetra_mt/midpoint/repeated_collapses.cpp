@@ -32,9 +32,8 @@ Result<RepeatedCollapses> repeat_collapses(const TetraMesh& mesh,
     }
     if (!block.repeat(collapses[k]))
       return fail(
-          "collapse {} of {}: expected an edge that may go with what is known of the samples "
-          "there, "
-          "got that of vertices {} and {}",
+          "collapse {} of {}: expected an edge that may go by what is known of its samples, got "
+          "that of vertices {} and {}",
           k, collapses.size(), collapses[k].kept, collapses[k].removed);
   }
   RepeatedCollapses result;
