@@ -134,7 +134,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   add_warp_options(app, arguments.warp);
   add("--region", arguments.regions, "NAME",
       "Only cells of a region (block, material, zone) of a mesh of cells, by its name or number "
-      "(info lists them); may be repeated");
+      "(info lists them), and accurate in these alone: --max-cells counts the whole mesh, most of "
+      "it spent there; may be repeated");
   add("--patch", arguments.patches, "NAME",
       "With --boundary of a mesh of cells: only faces of a patch, by its name or number (info "
       "lists "

@@ -206,8 +206,8 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   add("--max-cells", arguments.query.max_cells, "N",
       "At most N tetrahedra; without --max-error, as accurate as they allow");
   add("--region", arguments.query.regions, "NAME",
-      "Show only cells of a region (block, material, zone), by its name or number; may be "
-      "repeated");
+      "Show only cells of a region (block, material, zone), by its name or number, and be accurate "
+      "in these alone: --max-cells counts the whole mesh, most of it spent there; may be repeated");
   add("--field-range", arguments.query.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
   add("--box", arguments.query.boxes, "X0,X1,Y0,Y1,Z0,Z1",

@@ -5,7 +5,7 @@ read_tetra_lode.py FILE.lode [MESH.vtu]
 
 Shares no code with Lode. Checks blocks and their numbers, applies all nodes in an order of their
 own, each after its parents, and compares tetrahedra, positions, values, regions and patches with the mesh's;
-errors, ranges and boxes are nested along discovery. Prints numbers of vertices, cells and nodes.
+errors, ranges, boxes and masks of regions are nested along discovery. Prints numbers of vertices, cells and nodes.
 
 One file, although long: it stands for a reader that somebody wrote from the document, with nothing
 else at hand.
@@ -262,6 +262,7 @@ class PageReader:
             self.targets.append(self.read_target(i))
         self.makers = [self.read_makers(i) for i in range(n)]
         self.regions = self.read_regions()
+        self.masks = self.read_masks()
         c.end()
 
     def is_near(self, vertex):
@@ -412,6 +413,28 @@ class PageReader:
         return out
 
 
+    def read_masks(self):
+        c, regions = self.c, len(self.m["regions"])
+        if regions < 2:
+            return [None] * self.n
+        table = [c.wide("mask") for _ in range(c.number("masks") + 1)]
+        expect(len(set(table)) == len(table) <= self.n, "a mask twice")
+        expect(all(0 < mask < 1 << min(regions, 64) for mask in table), "a mask of no region")
+        masks, last = [table[0]] * self.n, table[0]
+        if len(table) == 1:
+            return masks
+        for i in self.order:
+            expected = 0 if self.tree[i] else last
+            for k in self.tree[i]:
+                expected |= masks[k]
+            if not c.bit("expected mask", len(self.tree[i]) > 0):
+                place = c.number("mask place")
+                expect(place < len(table), "a mask beyond those of the page")
+                expected = table[place]
+            masks[i] = last = expected
+        return masks
+
+
 def tree_order(found):
     """All nodes of a page, those that each discovers before it."""
     discoverer, waiting = {}, [len(of) for of in found]
@@ -497,7 +520,7 @@ def read_regions(c):
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 6, "unknown layout")
+    expect(c.take("I") == 7, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
@@ -576,7 +599,7 @@ class File:
         m = self.m
         self.target, self.children, self.discovered = [], [], []
         self.far_parents, self.makers, self.new_regions = [], [], []
-        self.boxes, self.trees, positions = [], [], []
+        self.boxes, self.masks, self.trees, positions = [], [], [], []
         for page in range(self.n_pages):
             self.read_links_of(page, positions)
         self.positions = np.concatenate([self.base_positions] + positions)
@@ -602,6 +625,7 @@ class File:
         self.far_parents += [[v - B for v in of] for of in p.far_parents]
         self.makers += p.makers
         self.new_regions += p.regions
+        self.masks += p.masks
         self.trees.append((p.tree, p.order, p.discovered))
 
     def read_origins(self):
@@ -717,6 +741,13 @@ def apply_node(file, k, round_vertex, cells, add, remove):
         place = makers[i] if children else 0
         expect(place <= len(children), f"node {k}: a maker that is no child")
         add(corners, children[place] if place < len(children) else NONE, region)
+    mask = 0
+    for child in file.discovered[k]:
+        mask |= file.masks[child] or 0
+    for corners, region in brought:
+        if outside not in corners and file.masks[k] is not None:
+            mask |= 1 << region % 64
+    expect(mask == (file.masks[k] or 0), f"node {k}: other regions than its mask says")
 
 
 def error_of(code, knots):

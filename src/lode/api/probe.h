@@ -81,7 +81,7 @@ struct ProbeReport {
 
 struct IntegralOptions {
   std::optional<Box3d> box{};           ///< Cells are cut exactly at it; none: the whole domain.
-  std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
+  std::vector<std::int64_t> regions{};  ///< Only their cells, and fine in these; empty: all.
   double max_error = 0;                 ///< As in ProbeOptions,
   std::size_t field = 0;                ///< likewise.
   std::vector<std::size_t> along{};     ///< Likewise.

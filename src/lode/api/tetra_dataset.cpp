@@ -228,7 +228,8 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
             watch.seconds() + finishing(engine.n_cells()) >= *options.deadline_s);
   };
   const bool has_candidates = engine.set_query_unless(
-      must_stop, demand_of(query, 2 * surface_margin), query.budget, FocusChange::changed,
+      must_stop, in_regions(demand_of(query, 2 * surface_margin), info, options.regions),
+      query.budget, FocusChange::changed,
       options.deadline_s ? ApplyOrder::best_first : ApplyOrder::nearest_first);
   if (has_candidates) engine.run(must_stop);
   if (progress.is_cancelled()) return cancelled_error();
@@ -244,7 +245,8 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
   const bool is_weighed = !query.opacity.empty();
   if (is_weighed) focused.max_error = 0;
   constexpr double kNegligible = 1e-29;
-  const Demand focus = demand_of(std::move(focused), 2 * surface_margin);
+  const Demand focus =
+      in_regions(demand_of(std::move(focused), 2 * surface_margin), info, options.regions);
   const auto error_in_focus = [&](const NodeFacts& facts) {
     const bool counts = focus.touches(facts) && (!view || view->shows(facts.bounds));
     if (!counts || !is_weighed) return counts ? facts.error : 0.0;

@@ -28,7 +28,9 @@ struct TetraMeshOptions {
   std::optional<double> deadline_s{};
   /// Only cells of the cut whose values lie in it everywhere, that is at all corners.
   std::optional<Range> threshold{};
-  std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
+  /// Only their cells, and the query counts in these alone; empty: all. The budget counts cells of
+  /// all regions.
+  std::vector<std::int64_t> regions{};
   /// Of boundaries: only the faces of patches of these names or numbers; empty: all.
   std::vector<std::string> patches{};
   Threads threads{};

@@ -10,6 +10,7 @@
 #include "lode/api/probe_cells.h"
 #include "lode/api/probe_focus.h"
 #include "lode/api/tetra_info.h"
+#include "lode/api/tetra_query.h"
 #include "lode/locate/cell_locator.h"
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -88,7 +89,7 @@ class MidpointView {
 /// that is not applied. All its corners are in the range, and itself in the bounds, that this node
 /// states, and so in those of the one candidate that comes before it along discovery, as both are
 /// nested. So at any point F is in one of the ranges of candidates whose bounds hold the point, or
-/// the cut's cell there is the reference's.
+/// the cut's cell there is the reference's. Of queries for regions this holds in these.
 class CandidateRanges {
  public:
   /// `fields`: the cut's first.
@@ -206,17 +207,25 @@ ProbeCells bare_cells(const View& view, const TetraInfo& info,
   return cells;
 }
 
+/// What is looked for.
+struct ProbeFocus {
+  std::span<const std::size_t> fields;  ///< The first one's is the tolerance.
+  MeetsBox where;
+  std::span<const std::int64_t> regions{};  ///< Empty: all.
+  double max_error = 0;
+};
+
 /// The cells of a cut that is fine where is looked, and those there only, by field: all have the
-/// same ones. The tolerance is the first field's.
+/// same ones, of whatever regions.
 template <typename View>
-Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info,
-                                         std::span<const std::size_t> fields, const MeetsBox& where,
-                                         double max_error, Progress& progress,
-                                         ProbeReport& report) {
+Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info, const ProbeFocus& focus,
+                                         Progress& progress, ProbeReport& report) {
+  const std::span<const std::size_t> fields = focus.fields;
   typename View::Cut& cut = view.cut();
   Engine<typename View::Cut> engine(cut);
-  engine.set_query(probe_demand(where, max_error, bounds_slack(info.bounds)), {},
-                   FocusChange::changed, ApplyOrder::nearest_first);
+  engine.set_query(in_regions(probe_demand(focus.where, focus.max_error, bounds_slack(info.bounds)),
+                              info, focus.regions),
+                   {}, FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
@@ -225,14 +234,14 @@ Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info,
   const double deviation = info.boundary_deviation;
   const auto near = [&](const Box3d& box) {
     const Vec3d reach{{deviation, deviation, deviation}};
-    return where({box.lower - reach, box.upper + reach});
+    return focus.where({box.lower - reach, box.upper + reach});
   };
   const std::vector<std::uint32_t> slots = slots_near(view, near);
   std::vector<std::uint32_t> vertices;
   ProbeCells shape = bare_cells(view, info, slots, vertices);
   std::vector<ProbeCells> made(fields.size() - 1, shape);
   made.push_back(std::move(shape));
-  report = {.max_error = max_error,
+  report = {.max_error = focus.max_error,
             .achieved_error = ranges->error(0),
             .error_place = info.fields[fields[0]].error_place,
             .n_cut_cells = engine.standing().n_cells};
@@ -264,21 +273,20 @@ std::vector<std::size_t> fields_of(const Options& options) {
 }
 
 Result<std::vector<ProbeCells>> cells_near(const ProbedHierarchy& hierarchy,
-                                           std::span<const std::size_t> fields,
-                                           const MeetsBox& where, double max_error,
-                                           Progress& progress, ProbeReport& report) {
+                                           const ProbeFocus& focus, Progress& progress,
+                                           ProbeReport& report) {
   const auto look = [&](const auto* found, const auto& view_of) -> Result<std::vector<ProbeCells>> {
     const TetraInfo info = info_of(found->head());
-    for (const std::size_t field : fields)
+    for (const std::size_t field : focus.fields)
       if (field >= info.fields.size())
         return fail("field: expected a number below {}, got {}", info.fields.size(), field);
-    return cells_of(view_of(*found), info, fields, where, max_error, progress, report);
+    return cells_of(view_of(*found), info, focus, progress, report);
   };
   if (const auto* half_edges = std::get_if<const PackedHierarchy*>(&hierarchy))
     return look(*half_edges,
-                [&](const PackedHierarchy& h) { return HalfEdgeView(h, fields.front()); });
+                [&](const PackedHierarchy& h) { return HalfEdgeView(h, focus.fields.front()); });
   return look(std::get<const Forest*>(hierarchy),
-              [&](const Forest& forest) { return MidpointView(forest, fields.front()); });
+              [&](const Forest& forest) { return MidpointView(forest, focus.fields.front()); });
 }
 
 /// Of a point that is in the same cell.
@@ -297,10 +305,13 @@ Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, std::span<
                                     const ProbeOptions& options, std::vector<ProbedPoint>& found,
                                     Progress& progress) {
   LODE_CHECK(check_probe(points, options.max_error));
+  const std::vector<std::size_t> fields = fields_of(options);
   ProbeReport report;
-  LODE_TRY(const std::vector<ProbeCells> cells,
-           cells_near(hierarchy, fields_of(options), meets_points(points), options.max_error,
-                      progress, report));
+  LODE_TRY(
+      const std::vector<ProbeCells> cells,
+      cells_near(hierarchy,
+                 {.fields = fields, .where = meets_points(points), .max_error = options.max_error},
+                 progress, report));
   found = probe_points_in(cells.front(), points, options.threads);
   for (const ProbeCells& more : std::span(cells).subspan(1)) {
     const std::vector<ProbedPoint> values = probe_points_in(more, points, options.threads);
@@ -322,9 +333,13 @@ Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, const Prob
     found = on_line(line, points);
     return report;
   }
+  const std::vector<std::size_t> fields = fields_of(options);
   LODE_TRY(const std::vector<ProbeCells> cells,
-           cells_near(hierarchy, fields_of(options), meets_segment(line.begin, line.end),
-                      options.max_error, progress, report));
+           cells_near(hierarchy,
+                      {.fields = fields,
+                       .where = meets_segment(line.begin, line.end),
+                       .max_error = options.max_error},
+                      progress, report));
   found = probe_line_in(cells.front(), line.begin, line.end, options.threads);
   for (const ProbeCells& more : std::span(cells).subspan(1)) {
     const std::vector<ProbedLinePoint> values =
@@ -339,10 +354,14 @@ Result<IntegralReport> integrate_hierarchy(const ProbedHierarchy& hierarchy,
                                            const IntegralOptions& options, Progress& progress) {
   LODE_CHECK(check_integral(options));
   ProbeReport probe;
-  LODE_TRY(
-      const std::vector<ProbeCells> cells,
-      cells_near(hierarchy, fields_of(options), options.box ? meets_box(*options.box) : meets_all(),
-                 options.max_error, progress, probe));
+  const std::vector<std::size_t> fields = fields_of(options);
+  LODE_TRY(const std::vector<ProbeCells> cells,
+           cells_near(hierarchy,
+                      {.fields = fields,
+                       .where = options.box ? meets_box(*options.box) : meets_all(),
+                       .regions = options.regions,
+                       .max_error = options.max_error},
+                      progress, probe));
   IntegralReport report = integrate_cells(cells.front(), options);
   for (const ProbeCells& more : std::span(cells).subspan(1)) {
     const IntegralReport of = integrate_cells(more, options);

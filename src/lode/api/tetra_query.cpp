@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lode/models/tetra_mt/region_masks.h"
+
 namespace lode {
 namespace {
 
@@ -119,6 +121,16 @@ Demand demand_of(Query query, double widening) {
   if (!query.sections.empty()) demand = WidenedDemand{std::move(demand), widening};
   if (outside) demand = max_of({std::move(demand), uniform_demand(*outside)});
   return demand;
+}
+
+Demand in_regions(Demand demand, const TetraInfo& info, std::span<const std::int64_t> regions) {
+  if (regions.empty() || info.regions.size() <= 1) return demand;
+  std::uint64_t wanted = 0;
+  for (const std::int64_t id : regions) {
+    const auto at = std::ranges::find(info.regions, id, &MeshRegion::id);
+    wanted |= tetra_mt::region_bit(static_cast<std::uint32_t>(at - info.regions.begin()));
+  }
+  return within_regions(std::move(demand), wanted);
 }
 
 }  // namespace lode

@@ -25,5 +25,8 @@ namespace lode {
 
 /// `widening`: how much sections are, world units, as mesh vertices near one count as in it.
 [[nodiscard]] Demand demand_of(Query query, double widening);
+/// The same where it meets regions; everywhere for none. `regions`: numbers that there are.
+[[nodiscard]] Demand in_regions(Demand demand, const TetraInfo& info,
+                                std::span<const std::int64_t> regions);
 
 }  // namespace lode

@@ -34,6 +34,7 @@ void add_structure(const StructureFindings& found, VerifyReport& report) {
   add("parents and children name each other", found.links);
   add("stored values nested", found.nesting);
   if (found.refinement.n_checked > 0) add("nodes apply and undo in any order", found.refinement);
+  if (found.regions.n_checked > 0) add("regions of nodes", found.regions);
 }
 
 /// One thing that is checked of several cuts.

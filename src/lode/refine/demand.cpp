@@ -16,6 +16,11 @@ bool any_uses_bounds(const std::vector<Demand>& parts) {
                      [](const Demand& demand) { return demand.uses_bounds(); });
 }
 
+bool any_uses_regions(const std::vector<Demand>& parts) {
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const Demand& demand) { return demand.uses_regions(); });
+}
+
 bool any_touches(const std::vector<Demand>& parts, const NodeFacts& node) {
   return std::any_of(parts.begin(), parts.end(),
                      [&](const Demand& demand) { return demand.touches(node); });
@@ -31,6 +36,7 @@ struct Largest {
   }
   [[nodiscard]] bool touches(const NodeFacts& node) const { return any_touches(parts, node); }
   [[nodiscard]] bool uses_bounds() const { return any_uses_bounds(parts); }
+  [[nodiscard]] bool uses_regions() const { return any_uses_regions(parts); }
 };
 
 struct Sum {
@@ -43,6 +49,7 @@ struct Sum {
   }
   [[nodiscard]] bool touches(const NodeFacts& node) const { return any_touches(parts, node); }
   [[nodiscard]] bool uses_bounds() const { return any_uses_bounds(parts); }
+  [[nodiscard]] bool uses_regions() const { return any_uses_regions(parts); }
 };
 
 struct Smallest {
@@ -60,6 +67,25 @@ struct Smallest {
     });
   }
   [[nodiscard]] bool uses_bounds() const { return any_uses_bounds(parts); }
+  [[nodiscard]] bool uses_regions() const { return any_uses_regions(parts); }
+};
+
+struct WithinRegions {
+  Demand demand;
+  std::uint64_t wanted = 0;
+
+  [[nodiscard]] bool meets(const NodeFacts& node) const { return (node.regions & wanted) != 0; }
+  [[nodiscard]] Evaluation evaluate(const NodeFacts& node) const {
+    return meets(node) ? demand.evaluate(node) : Evaluation{0, false};
+  }
+  [[nodiscard]] double operator()(const NodeFacts& node) const {
+    return meets(node) ? demand(node) : 0;
+  }
+  [[nodiscard]] bool touches(const NodeFacts& node) const {
+    return meets(node) && demand.touches(node);
+  }
+  [[nodiscard]] bool uses_bounds() const { return demand.uses_bounds(); }
+  [[nodiscard]] static bool uses_regions() { return true; }
 };
 
 }  // namespace
@@ -69,5 +95,8 @@ Demand::Demand() : Demand(Nothing{}) {}
 Demand max_of(std::vector<Demand> demands) { return Largest{std::move(demands)}; }
 Demand sum_of(std::vector<Demand> demands) { return Sum{std::move(demands)}; }
 Demand min_of(std::vector<Demand> demands) { return Smallest{std::move(demands)}; }
+Demand within_regions(Demand demand, std::uint64_t wanted) {
+  return WithinRegions{std::move(demand), wanted};
+}
 
 }  // namespace lode

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -39,6 +40,8 @@ class Demand {
   [[nodiscard]] Evaluation evaluate(const NodeFacts& node) const { return rule_->evaluate(node); }
   /// Whether NodeFacts::bounds must be filled.
   [[nodiscard]] bool uses_bounds() const { return rule_->uses_bounds(); }
+  /// Likewise NodeFacts::regions: only where `bool uses_regions()` of the callable says so.
+  [[nodiscard]] bool uses_regions() const { return rule_->uses_regions(); }
 
  private:
   struct Rule {
@@ -47,6 +50,7 @@ class Demand {
     [[nodiscard]] virtual bool touches(const NodeFacts& node) const = 0;
     [[nodiscard]] virtual Evaluation evaluate(const NodeFacts& node) const = 0;
     [[nodiscard]] virtual bool uses_bounds() const = 0;
+    [[nodiscard]] virtual bool uses_regions() const = 0;
   };
   template <typename F>
   struct Held final : Rule {
@@ -70,6 +74,12 @@ class Demand {
       else
         return true;
     }
+    [[nodiscard]] bool uses_regions() const override {
+      if constexpr (requires { rule.uses_regions(); })
+        return rule.uses_regions();
+      else
+        return false;
+    }
     F rule;
   };
 
@@ -89,5 +99,8 @@ class Demand {
 [[nodiscard]] Demand sum_of(std::vector<Demand> demands);
 /// The smallest: only what all want.
 [[nodiscard]] Demand min_of(std::vector<Demand> demands);
+/// A demand for some regions alone: nodes that meet none of them are not touched. `wanted`: a bit
+/// each, as of NodeFacts::regions.
+[[nodiscard]] Demand within_regions(Demand demand, std::uint64_t wanted);
 
 }  // namespace lode

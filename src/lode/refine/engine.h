@@ -111,6 +111,7 @@ class Engine {
   [[nodiscard]] NodeFacts facts(NodeId id, const StoredFacts& stored) const {
     NodeFacts result = without_bounds(stored, model_.range_reference());
     if (demand_.uses_bounds()) result.bounds = model_.bounds(id);
+    if (demand_.uses_regions()) result.regions = region_mask_of(model_, id);
     return result;
   }
   /// Unless candidates wait for data.
@@ -408,6 +409,7 @@ double Engine<M>::largest(const Measure& measure) const {
     if (entry.state != State::candidate) continue;
     NodeFacts node = without_bounds(entry.facts(), model_.range_reference());
     node.bounds = model_.bounds(entry.id);
+    node.regions = region_mask_of(model_, entry.id);
     result = std::max(result, static_cast<double>(measure(node)));
   }
   return result;

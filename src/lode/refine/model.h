@@ -77,6 +77,10 @@ struct StoredFacts {
   friend bool operator==(const StoredFacts&, const StoredFacts&) = default;
 };
 
+/// Of a domain in regions (blocks, materials): a bit for each that a node's part of it meets, by
+/// numbers modulo 64.
+inline constexpr std::uint64_t kAllRegions = ~std::uint64_t{0};
+
 /// The same as demands see them.
 struct NodeFacts {
   double error = 0;        ///< How wrong the field is on its domain if it is not refined.
@@ -84,6 +88,7 @@ struct NodeFacts {
   Range range;             ///< Of the full-resolution field over the domain.
   Bounds bounds;           ///< Contain the domain.
   bool is_at_border = false;
+  std::uint64_t regions = kAllRegions;  ///< RegionedModel's; all of others.
 };
 
 /// `bounds` stay empty: only some demands look at them.
@@ -124,6 +129,20 @@ concept RefinableModel = requires(M& model, const M& fixed, NodeId node, std::ve
   { model.apply(node) } -> std::convertible_to<std::uint64_t>;
   { model.undo(node) } -> std::convertible_to<std::uint64_t>;
 };
+
+/// One whose domain has regions. `region_mask`: nested along add_children, too.
+template <typename M>
+concept RegionedModel = RefinableModel<M> && requires(const M& fixed, NodeId node) {
+  { fixed.region_mask(node) } -> std::same_as<std::uint64_t>;
+};
+
+template <RefinableModel M>
+[[nodiscard]] std::uint64_t region_mask_of(const M& model, NodeId node) {
+  if constexpr (RegionedModel<M>)
+    return model.region_mask(node);
+  else
+    return kAllRegions;
+}
 
 /// What holding the pages of a node has come to.
 struct Held {
@@ -167,6 +186,7 @@ template <RefinableModel M>
 [[nodiscard]] NodeFacts facts_of(const M& model, NodeId node) {
   NodeFacts facts = without_bounds(model.facts(node), model.range_reference());
   facts.bounds = model.bounds(node);
+  facts.regions = region_mask_of(model, node);
   return facts;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lode/models/tetra_mt/interfaces.h"
+#include "lode/models/tetra_mt/region_masks.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -43,6 +44,7 @@ BroughtTetrahedra::BroughtTetrahedra(const TetraMesh& mesh, const HalfEdgeCollap
   result.targets.resize(nodes.size());
   for (auto* begins : {&result.child_begins, &result.maker_begins, &result.region_begins})
     begins->assign(nodes.size() + 1, 0);
+  if (result.region_ids.size() > 1) result.region_masks.resize(nodes.size());
 }
 
 /// visit(part, worker) for all collapses, in any order.
@@ -85,6 +87,7 @@ Result<void> BroughtTetrahedra::run() {
   visit_parts([&](const Part& part, int worker) {
     fill(part, brought[static_cast<std::size_t>(worker)]);
     fill_box(part);
+    if (!result_.region_masks.empty()) fill_region_mask(part);
   });
   const auto twice = std::ranges::find(is_twice_, 1);
   if (twice != is_twice_.end())
@@ -170,6 +173,14 @@ void BroughtTetrahedra::fill_box(const Part& part) {
   box = {own, own};
   for (const std::uint32_t v : part.link)
     if (v < numbers_.size()) widen(box, mesh_.positions[v]);
+}
+
+/// Without labels all are of one region.
+void BroughtTetrahedra::fill_region_mask(const Part& part) {
+  std::uint64_t& mask = result_.region_masks[part.node];
+  if (part.labels.empty()) mask = region_bit(mesh_.regions.empty() ? 0 : mesh_.regions.front());
+  for (const std::uint32_t label : part.labels)
+    if (!is_outside_label(label)) mask |= region_bit(label);
 }
 
 /// Those outside last, by the faces on which they were.

@@ -51,6 +51,7 @@ class BroughtTetrahedra {
   void count(const Part& part);
   void fill(const Part& part, std::vector<Brought>& brought);
   void fill_box(const Part& part);
+  void fill_region_mask(const Part& part);
   void take_base();
 
   const TetraMesh& mesh_;

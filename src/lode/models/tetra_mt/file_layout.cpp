@@ -106,6 +106,7 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   LODE_TRY(HeadLabels labels, read_labels(in, path));
   take_labels(std::move(labels), head);
   head.shape.n_labels = n_labels_of(head.region_ids, head.patches);
+  head.shape.n_regions = n_regions_of(head.region_ids);
   LODE_TRY(const auto n_fields, in.read<std::uint32_t>());
   if (n_fields < 1 || n_fields > kMaxFields)
     return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields, n_fields);

@@ -41,6 +41,7 @@ class HierarchyMaker {
     find_parents();
     find_facts();
     find_boxes();
+    if (!result_.region_masks.empty()) find_region_masks();
     return std::move(result_);
   }
 
@@ -52,6 +53,7 @@ class HierarchyMaker {
   void find_parents();
   void find_facts();
   void find_boxes();
+  void find_region_masks();
 
   const TetraMesh& mesh_;
   const HalfEdgeCollapses& collapses_;
@@ -146,6 +148,14 @@ void HierarchyMaker::find_boxes() {
     if (result_.discoverers[node] != kNone)
       grow(boxes_[result_.discoverers[node]], codes.box(vertex, result_.boxes[node]));
   }
+}
+
+/// Likewise.
+void HierarchyMaker::find_region_masks() {
+  auto& masks = result_.region_masks;
+  for (const std::uint32_t node : nodes_)
+    if (const std::uint32_t parent = result_.discoverers[node]; parent != kNone)
+      masks[parent] |= masks[node];
 }
 
 }  // namespace

@@ -61,6 +61,9 @@ struct Hierarchy {
   /// patch, as base_regions says it. None of nodes whose tetrahedra are all of the one region, and
   /// those outside of the one patch, of what they replace.
   std::vector<std::uint32_t> regions;
+  /// By node: which regions the tetrahedra have that it brings, and those of all that it discovers;
+  /// region_bit()s. Empty where there is one region at most.
+  std::vector<std::uint64_t> region_masks;
 
   static constexpr std::uint8_t kReference = 0xFF;
 

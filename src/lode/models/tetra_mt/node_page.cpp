@@ -45,6 +45,7 @@ class NodePage::Packer {
 
   void run() {
     list_pages();
+    list_masks();
     BitWriter bits;
     BitWriter node;
     for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
@@ -95,6 +96,19 @@ class NodePage::Packer {
     }
     if (page_.pages_.size() > 1) page_.n_page_bits_ = bits_for(page_.pages_.size() - 1);
   }
+  void list_masks() {
+    if (shape_.n_regions <= 1 || content_.region_masks.empty()) return;
+    masks_ = content_.region_masks;
+    std::ranges::sort(masks_);
+    masks_.erase(std::unique(masks_.begin(), masks_.end()), masks_.end());
+    page_.has_masks_ = true;
+    if (masks_.size() > 1)
+      page_.n_mask_bits_ = static_cast<std::uint8_t>(bits_for(masks_.size() - 1));
+    const std::size_t n = page_.words_.size();
+    page_.words_.resize(n + 2 * masks_.size());
+    for (std::size_t i = 0; i < masks_.size(); ++i)
+      std::memcpy(&page_.words_[page_.words_.size() - 2 * (i + 1)], &masks_[i], sizeof masks_[i]);
+  }
   void write_vertex(std::uint32_t vertex, BitWriter& bits) const {
     const std::uint32_t begin = begin_of(vertex);
     bits.write(begin == page_.own_ ? 0 : 1, 1);
@@ -109,6 +123,10 @@ class NodePage::Packer {
   }
   void write_node(std::uint32_t i, BitWriter& bits) const {
     bits.write(content_.boxes[i], BoxCodes::kBits);
+    if (page_.n_mask_bits_ > 0) {
+      const auto place = std::ranges::lower_bound(masks_, content_.region_masks[i]);
+      bits.write(static_cast<std::uint32_t>(place - masks_.begin()), page_.n_mask_bits_);
+    }
     const auto children = content_.children[i];
     const auto parents = content_.parents[i];
     write_vertex(content_.targets[i], bits);
@@ -134,7 +152,8 @@ class NodePage::Packer {
   NodePage& page_;
   const PageContent& content_;
   const PageShape& shape_;
-  std::vector<Numbered> places_;  ///< In pages_, ascending by where they begin.
+  std::vector<Numbered> places_;      ///< In pages_, ascending by where they begin.
+  std::vector<std::uint64_t> masks_;  ///< That differ, ascending.
 };
 
 NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageShape& shape)
@@ -156,7 +175,8 @@ NodePage::Links::Links(const NodePage& page, std::uint32_t i, std::size_t begin)
     : page_(&page),
       end_(8 * page.end_of(i, begin)),
       bits_(page.bits_.data(), begin),
-      target_((bits_.skip(BoxCodes::kBits), page.read_vertex(bits_))),
+      target_(
+          (bits_.skip(BoxCodes::kBits + std::size_t{page.n_mask_bits_}), page.read_vertex(bits_))),
       n_children_(read_count(bits_)),
       n_parents_(read_count(bits_)),
       n_discovered_(bits_.read(bits_for(n_children_))) {}

@@ -8,6 +8,7 @@
 
 #include "lode/models/tetra_mt/bit_stream.h"
 #include "lode/models/tetra_mt/page_content.h"
+#include "lode/refine/model.h"
 
 namespace lode::tetra_mt {
 
@@ -17,6 +18,7 @@ struct PageShape {
   std::uint32_t n_nodes = 0;
   std::uint32_t n_labels = 1;         ///< Regions, or patches and none, whichever are more.
   bool has_narrow_positions = false;  ///< float32 holds them.
+  std::uint32_t n_regions = 1;        ///< Where there are several, nodes have masks of them.
 
   /// Of nodes.
   [[nodiscard]] std::uint32_t n_pages() const { return n_pages_of(n_nodes); }
@@ -38,7 +40,8 @@ struct VertexRange {
                                         : (vertex - shape.n_base_vertices) / kPageNodes;
 }
 
-/// A page in memory, packed: for each node its position, 22 bits of its box, and its links. A link
+/// A page in memory, packed: for each node its position, 22 bits of its box, which of the page's
+/// masks of regions it has, where there are several, and its links. A link
 /// to a node or vertex of the page takes 10 bits; one to another page 14 where that is one of the
 /// eight with most links, else as many as the number of such pages asks for.
 class NodePage {
@@ -53,6 +56,20 @@ class NodePage {
   }
   [[nodiscard]] std::uint32_t box(std::uint32_t i) const {
     return BitReader(bits_.data(), begin_of(i)).read(BoxCodes::kBits);
+  }
+
+  /// PageContent's; kAllRegions where there are none.
+  [[nodiscard]] std::uint64_t region_mask(std::uint32_t i) const {
+    if (!has_masks_) return kAllRegions;
+    std::size_t place = 0;
+    if (n_mask_bits_ > 0) {
+      BitReader bits(bits_.data(), begin_of(i));
+      bits.skip(BoxCodes::kBits);
+      place = bits.read(n_mask_bits_);
+    }
+    std::uint64_t mask = 0;
+    std::memcpy(&mask, &words_[words_.size() - 2 * (place + 1)], sizeof mask);
+    return mask;
   }
 
   /// Reads the links of a node, in this order.
@@ -182,7 +199,7 @@ class NodePage {
     bits.skip(form.n_kind_bits + form.n_page_bits + kPageBits);
   }
 
-  std::vector<std::uint32_t> words_;  ///< Of positions.
+  std::vector<std::uint32_t> words_;  ///< Of positions; last of masks that differ, from behind.
   std::vector<std::uint8_t> bits_;    ///< Of boxes and links.
   std::vector<std::uint32_t> begins_;
   std::vector<std::uint8_t> lengths_;  ///< Bytes of a node's box and links; whole groups.
@@ -192,6 +209,8 @@ class NodePage {
   std::uint32_t first_;  ///< The first vertex that is a node's.
   bool has_narrow_positions_;
   bool has_long_ = false;  ///< Lengths.
+  bool has_masks_ = false;
+  std::uint8_t n_mask_bits_ = 0;  ///< Of a mask's place, behind the box.
   int n_page_bits_ = 0;
   int n_region_bits_;  ///< 0 where there is one region and no patch.
 };

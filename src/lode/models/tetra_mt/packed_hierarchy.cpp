@@ -56,12 +56,17 @@ std::uint32_t n_labels_of(std::span<const std::int64_t> region_ids,
       std::max({std::size_t{1}, region_ids.size(), patches.empty() ? 0 : patches.size() + 1}));
 }
 
+std::uint32_t n_regions_of(std::span<const std::int64_t> region_ids) {
+  return static_cast<std::uint32_t>(std::max(std::size_t{1}, region_ids.size()));
+}
+
 HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   HierarchyHead head;
   head.shape = {.n_base_vertices = hierarchy.n_base_vertices,
                 .n_nodes = hierarchy.n_nodes(),
                 .n_labels = n_labels_of(hierarchy.region_ids, hierarchy.patches),
-                .has_narrow_positions = true};
+                .has_narrow_positions = true,
+                .n_regions = n_regions_of(hierarchy.region_ids)};
   head.n_cells = n_cells;
   head.n_base_cells = hierarchy.n_base_cells;
   if (!hierarchy.positions.empty()) head.lower = head.upper = hierarchy.positions.front();
@@ -102,6 +107,8 @@ PageContent content_of(const Hierarchy& hierarchy, std::uint32_t number) {
     const auto regions = hierarchy.regions_of(node);
     content.regions.items.insert(content.regions.items.end(), regions.begin(), regions.end());
     content.regions.end_list();
+    if (!hierarchy.region_masks.empty())
+      content.region_masks.push_back(hierarchy.region_masks[node]);
   }
   return content;
 }
@@ -313,6 +320,10 @@ Bounds PackedHierarchy::bounds(std::uint32_t node) const {
   const NodePage& page = page_of(node);
   const Box3d box = box_codes_.box(page.position(node % kPageNodes), page.box(node % kPageNodes));
   return {(box.lower + box.upper) * 0.5, 0, (box.upper - box.lower) * 0.5};
+}
+
+std::uint64_t PackedHierarchy::region_mask(std::uint32_t node) const {
+  return page_of(node).region_mask(node % kPageNodes);
 }
 
 std::size_t PackedHierarchy::n_page_bytes() const {

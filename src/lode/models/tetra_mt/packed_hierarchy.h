@@ -56,6 +56,9 @@ struct HierarchyHead {
 [[nodiscard]] std::uint32_t n_labels_of(std::span<const std::int64_t> region_ids,
                                         std::span<const BoundaryPatch> patches);
 
+/// Likewise.
+[[nodiscard]] std::uint32_t n_regions_of(std::span<const std::int64_t> region_ids);
+
 /// What of a field is in memory once anything is asked of it.
 struct FieldBase {
   ValueScale scale;            ///< Of all its values: from Field::low to high.
@@ -92,6 +95,8 @@ class PackedHierarchy {
   [[nodiscard]] bool has_facts(std::uint32_t node, std::size_t field) const;
   /// A box that holds all it discovers.
   [[nodiscard]] Bounds bounds(std::uint32_t node) const;
+  /// Hierarchy's; kAllRegions where there is one region at most.
+  [[nodiscard]] std::uint64_t region_mask(std::uint32_t node) const;
   [[nodiscard]] NodePage::Links links(std::uint32_t node) const {
     return page_of(node).links(node % kPageNodes);
   }

@@ -52,6 +52,9 @@ struct PageContent {
   /// it replaces: PageShape::n_labels.
   Lists<std::uint32_t> regions;
 
+  /// By node: Hierarchy's. None where there is one region at most.
+  std::vector<std::uint64_t> region_masks;
+
   [[nodiscard]] std::size_t n_nodes() const { return targets.size(); }
   friend bool operator==(const PageContent&, const PageContent&) = default;
 };

@@ -7,6 +7,7 @@
 #include "lode/models/tetra_mt/box_steps.h"
 #include "lode/models/tetra_mt/far_links.h"
 #include "lode/models/tetra_mt/maker_codes.h"
+#include "lode/models/tetra_mt/mask_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/position_codes.h"
 
@@ -43,7 +44,11 @@ class LinkCoder {
     for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_target(i));
     for (std::uint32_t i = 0; i < n_; ++i) code_makers(i);
     for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_regions(i));
-    return {};
+    if (shape_.n_regions <= 1) return {};
+    return MaskCoder(coder_).code(
+        PageTree::of(made_, number_), shape_.n_regions,
+        given_ != nullptr ? given_->region_masks : std::span<const std::uint64_t>(), what_,
+        made_.region_masks);
   }
 
  private:

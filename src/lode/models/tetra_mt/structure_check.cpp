@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -131,8 +132,10 @@ std::vector<std::uint32_t> random_order(const NodeLists& before, const NodeLists
   return order;
 }
 
+/// `brought`: by node, fills which regions its tetrahedra have; empty where nobody asks.
 Result<StructureFinding> check_refinement(const PackedHierarchy& hierarchy, const NodeLinks& links,
-                                          std::mt19937_64& random, Progress& progress) {
+                                          std::mt19937_64& random,
+                                          std::vector<std::uint64_t>& brought, Progress& progress) {
   const HierarchyHead& head = hierarchy.head();
   const std::uint32_t n_nodes = head.shape.n_nodes;
   StructureFinding finding;
@@ -149,6 +152,7 @@ Result<StructureFinding> check_refinement(const PackedHierarchy& hierarchy, cons
   for (std::size_t i = 0; i < up.size() && !cut.is_damaged(); ++i) {
     if (i % 4096 == 0 && progress.is_cancelled()) return cancelled_error();
     n_cells += cut.apply(NodeId{up[i]});
+    if (!brought.empty()) brought[up[i]] = cut.regions_brought();
     finding.add(!cut.is_damaged(),
                 fmt::format("node {}: expected to replace tetrahedra, its target has none", up[i]));
   }
@@ -158,6 +162,21 @@ Result<StructureFinding> check_refinement(const PackedHierarchy& hierarchy, cons
   for (const std::uint32_t node : down) cut.undo(NodeId{node});
   finding.add(sorted_cells(cut.cells()) == base,
               "all nodes undone: expected the base, got other cells");
+  return finding;
+}
+
+/// `brought`: by node.
+StructureFinding check_regions(const PackedHierarchy& hierarchy, const NodeLinks& links,
+                               std::span<const std::uint64_t> brought) {
+  StructureFinding finding;
+  for (std::uint32_t node = 0; node < brought.size(); ++node) {
+    std::uint64_t expected = brought[node];
+    for (const std::uint32_t child : links.discovered(node))
+      expected |= hierarchy.region_mask(child);
+    const std::uint64_t mask = hierarchy.region_mask(node);
+    finding.add(mask == expected, fmt::format("node {}: expected the regions {:#x}, got {:#x}",
+                                              node, expected, mask));
+  }
   return finding;
 }
 
@@ -191,7 +210,11 @@ Result<StructureFindings> check_structure(const PackedHierarchy& hierarchy, std:
   progress.report("checking nodes", 0.3);
   std::mt19937_64 random(seed);
   if (findings.discovery.n_wrong + findings.links.n_wrong == 0) {
-    LODE_TRY(findings.refinement, check_refinement(hierarchy, links, random, progress));
+    const bool has_masks = hierarchy.head().shape.n_regions > 1;
+    std::vector<std::uint64_t> brought(has_masks ? links.n_discovered.size() : 0);
+    LODE_TRY(findings.refinement, check_refinement(hierarchy, links, random, brought, progress));
+    if (findings.refinement.n_wrong == 0)
+      findings.regions = check_regions(hierarchy, links, brought);
   }
   return findings;
 }

@@ -29,9 +29,13 @@ struct StructureFindings {
   StructureFinding nesting;    ///< Error, range and box hold those of all that it discovers.
   /// All applied in a random order give as many cells as are said, and undone in another the base.
   StructureFinding refinement;
+  /// Of several regions: its mask has those that it and all that it discovers bring, and no others.
+  StructureFinding regions;
 
   [[nodiscard]] bool is_sound() const {
-    return discovery.n_wrong + links.n_wrong + nesting.n_wrong + refinement.n_wrong == 0;
+    return discovery.n_wrong + links.n_wrong + nesting.n_wrong + refinement.n_wrong +
+               regions.n_wrong ==
+           0;
   }
 };
 

@@ -34,6 +34,9 @@ class TetraCut {
     return hierarchy_->facts(index(node), field_);
   }
   [[nodiscard]] Bounds bounds(NodeId node) const { return hierarchy_->bounds(index(node)); }
+  [[nodiscard]] std::uint64_t region_mask(NodeId node) const {
+    return hierarchy_->region_mask(index(node));
+  }
   [[nodiscard]] double range_reference() const { return hierarchy_->head().fields[field_].low; }
   [[nodiscard]] std::uint32_t n_nodes() const { return hierarchy_->head().shape.n_nodes; }
   [[nodiscard]] std::uint64_t n_base_cells() const { return hierarchy_->head().n_base_cells; }
@@ -55,6 +58,8 @@ class TetraCut {
   [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
     return regions_.empty() ? 0 : regions_[slot];
   }
+  /// Which regions those have that the node brought that was applied last; region_bit()s.
+  [[nodiscard]] std::uint64_t regions_brought() const;
   /// Neither gone nor to the vertex outside.
   [[nodiscard]] bool is_inside(const Cell& cell) const;
   /// The corners of those inside.

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "lode/models/tetra_mt/region_masks.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 
 namespace lode::tetra_mt {
@@ -245,6 +246,16 @@ std::uint64_t TetraCut::apply(NodeId id) {
   for (const Edge& edge : outline_)
     n_new += static_cast<std::uint64_t>((edge.first != outside_) & (edge.second != outside_));
   return n_new;
+}
+
+std::uint64_t TetraCut::regions_brought() const {
+  std::uint64_t mask = 0;
+  const auto add = [&](std::uint32_t slot) {
+    if (is_inside(cells_[slot])) mask |= region_bit(region(slot));
+  };
+  for (const Face& face : region_) add(face.slot);
+  for (const std::uint32_t slot : taken_) add(slot);
+  return mask;
 }
 
 /// All that has a vertex, from one to the next: what is across from other corners has it, too.

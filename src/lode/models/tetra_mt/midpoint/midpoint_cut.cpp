@@ -4,6 +4,8 @@
 #include <array>
 #include <functional>
 
+#include "lode/models/tetra_mt/region_masks.h"
+
 namespace lode::tetra_mt::midpoint {
 namespace {
 
@@ -95,6 +97,35 @@ Bounds MidpointCut::bounds(NodeId node) const {
       has_vertex(label) ? vertices_[places_[label]].code : forest_->code_of(index(node), field_);
   return {head_->scales.position(code),
           head_->radii.radius(NodeCodes::parts(word_of(node)).radius)};
+}
+
+std::uint64_t MidpointCut::regions_round(std::uint32_t label) const {
+  std::uint64_t mask = 0;
+  for (const std::uint32_t slot : star(label))
+    if (is_inside(cells_[slot])) mask |= region_bit(cells_[slot].region);
+  return mask;
+}
+
+/// Of one that is not in the mesh what it came of says, which has more perhaps, or all that it has
+/// become.
+std::uint64_t MidpointCut::region_mask(NodeId node) const {
+  if (head_->region_ids.size() <= 1) return kAllRegions;
+  for (std::uint32_t at = label_of(node); at != kNone; at = forest_->parent(at - head_->n_vertices))
+    if (has_vertex(at)) return regions_round(at);
+  std::uint64_t mask = 0;
+  std::vector<std::uint32_t> open{label_of(node)};
+  while (!open.empty()) {
+    const std::uint32_t at = open.back();
+    open.pop_back();
+    if (at == kNone) continue;
+    if (has_vertex(at)) {
+      mask |= regions_round(at);
+    } else if (!head_->is_leaf(at)) {
+      const auto [first, second] = forest_->children(at - head_->n_vertices);
+      open.insert(open.end(), {first, second});
+    }
+  }
+  return mask;
 }
 
 StoredFacts MidpointCut::facts(NodeId node, std::size_t field) const {

@@ -40,6 +40,9 @@ class MidpointCut {
     return codes().facts(NodeCodes::parts(word_of(node)));
   }
   [[nodiscard]] Bounds bounds(NodeId node) const;
+  /// Read off the mesh: a vertex has the same regions round it in all cuts, as collapses keep all
+  /// that lies between regions, and so those of the reference round all that it splits into.
+  [[nodiscard]] std::uint64_t region_mask(NodeId node) const;
   [[nodiscard]] double range_reference() const { return codes().knots()[0]; }
   [[nodiscard]] std::uint64_t n_base_cells() const { return head_->n_base_cells; }
   std::uint64_t apply(NodeId node);
@@ -76,6 +79,8 @@ class MidpointCut {
                                                    std::size_t field) const;
   /// Whether a vertex of the mesh, and what shares tetrahedra with it, are within bounds.
   [[nodiscard]] bool is_star_within(std::uint32_t label, const Bounds& bounds) const;
+  /// Which regions the tetrahedra round a vertex of the mesh have; region_bit()s.
+  [[nodiscard]] std::uint64_t regions_round(std::uint32_t label) const;
   /// Whether a vertex is in the mesh.
   [[nodiscard]] bool has_vertex(std::uint32_t label) const { return places_[label] != kNone; }
   /// Fails where pages could not be loaded, or what they say of nodes does not fit together: then

@@ -98,7 +98,7 @@ struct Needs {
 
 /// Applies all nodes in a random order, and looks whether their balls hold what they change.
 std::uint64_t apply_all(MidpointCut& cut, const Forest& forest, std::mt19937_64& random,
-                        Needs& needs, StructureFinding& finding) {
+                        Needs& needs, StructureFindings& findings) {
   const std::uint32_t n_nodes = cut.head().n_nodes();
   std::vector<std::uint32_t> order(n_nodes);
   std::iota(order.begin(), order.end(), 0U);
@@ -112,7 +112,7 @@ std::uint64_t apply_all(MidpointCut& cut, const Forest& forest, std::mt19937_64&
     MidpointCut& cut;
     const Forest& forest;
     Needs& needs;
-    StructureFinding& finding;
+    StructureFindings& findings;
     std::uint64_t& n_cells;
     [[nodiscard]] bool is_damaged() const { return cut.is_damaged(); }
     void add_parents(NodeId node, std::vector<NodeId>& out) const { cut.add_parents(node, out); }
@@ -124,15 +124,22 @@ std::uint64_t apply_all(MidpointCut& cut, const Forest& forest, std::mt19937_64&
         ++needs.n_dependents[static_cast<std::size_t>(parent)];
       }
       const Bounds bounds = cut.bounds(node);
+      const std::uint64_t regions = cut.region_mask(node);
       n_cells += cut.apply(node);
       if (cut.is_damaged()) return;
       const auto number = static_cast<std::uint32_t>(node);
       const auto [first, second] = forest.children(number);
-      finding.add(cut.is_star_within(first, bounds) && cut.is_star_within(second, bounds),
-                  fmt::format("node {}: changes more than its ball holds", number));
+      findings.refinement.add(
+          cut.is_star_within(first, bounds) && cut.is_star_within(second, bounds),
+          fmt::format("node {}: changes more than its ball holds", number));
+      if (cut.head().region_ids.size() <= 1) return;
+      const std::uint64_t below = cut.regions_round(first) | cut.regions_round(second);
+      findings.regions.add(below == regions,
+                           fmt::format("node {}: has the regions {:#x}, and both its ends {:#x}",
+                                       number, regions, below));
     }
   };
-  Noting noting{cut, forest, needs, finding, n_cells};
+  Noting noting{cut, forest, needs, findings, n_cells};
   for (const std::uint32_t node : order) {
     if (cut.is_damaged()) break;
     apply_after_parents(NodeId{node}, noting, is_applied);
@@ -154,24 +161,23 @@ void undo_all(MidpointCut& cut, std::mt19937_64& random, Needs& needs) {
   }
 }
 
-StructureFinding check_splits(const Forest& forest, std::mt19937_64& random) {
+void check_splits(const Forest& forest, std::mt19937_64& random, StructureFindings& findings) {
   const ForestHead& head = forest.head();
-  StructureFinding finding;
+  StructureFinding& finding = findings.refinement;
   MidpointCut cut(forest);
   const auto base = sorted_cells(cut.cells());
   finding.add(base.size() == head.n_base_cells,
               fmt::format("base: {} cells, {} are there", head.n_base_cells, base.size()));
   Needs needs;
-  const std::uint64_t n_cells = apply_all(cut, forest, random, needs, finding);
+  const std::uint64_t n_cells = apply_all(cut, forest, random, needs, findings);
   const auto all = cut.check();
   finding.add(all.has_value(), all ? "" : "all nodes: " + all.error().message);
   finding.add(n_cells == head.n_cells && cut.cells().size() == n_cells,
               fmt::format("all nodes: expected {} cells, got {}", head.n_cells, n_cells));
-  if (finding.n_wrong > 0) return finding;
+  if (finding.n_wrong > 0) return;
   undo_all(cut, random, needs);
   finding.add(cut.check().has_value() && sorted_cells(cut.cells()) == base,
               "all nodes undone: expected the base, got other cells");
-  return finding;
 }
 
 }  // namespace
@@ -188,7 +194,7 @@ Result<StructureFindings> check_structure(const Forest& forest, std::uint64_t se
   progress.report("checking nodes", 0.3);
   std::mt19937_64 random(seed);
   if (findings.discovery.n_wrong + findings.links.n_wrong == 0)
-    findings.refinement = check_splits(forest, random);
+    check_splits(forest, random, findings);
   LODE_CHECK(forest.check());
   return findings;
 }
