@@ -36,6 +36,7 @@ Json field_json(const TetraFieldInfo& field) {
             {"base_error", field.base_error},
             {"error_kind", name_of(field.error_place)}};
   if (field.time) json["time"] = *field.time;
+  if (field.base_world_error) json["base_space_error"] = *field.base_world_error;
   return json;
 }
 
@@ -186,11 +187,15 @@ void add_fields(const TetraInfo& info, Table& table, Json& json) {
   for (const TetraFieldInfo& field : info.fields) {
     json["fields"].push_back(field_json(field));
     table.add(
-        {"field", fmt::format("{}{}, {}, {} to {}, error of the base {} {}", field.name,
-                              field.time ? fmt::format(" at {}", format_number(*field.time)) : "",
-                              name_of(field.type), format_number(field.range_min),
-                              format_number(field.range_max), format_number(field.base_error),
-                              name_of(field.error_place))});
+        {"field",
+         fmt::format("{}{}, {}, {} to {}, error of the base {} {}{}", field.name,
+                     field.time ? fmt::format(" at {}", format_number(*field.time)) : "",
+                     name_of(field.type), format_number(field.range_min),
+                     format_number(field.range_max), format_number(field.base_error),
+                     name_of(field.error_place),
+                     field.base_world_error ? fmt::format(", in space {} by an estimate",
+                                                          format_number(*field.base_world_error))
+                                            : "")});
   }
 }
 
@@ -217,6 +222,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   const double read_seconds = watch.seconds();
   LODE_TRY(TetraBuildOptions options, to_build_options(job.reading, session.threads()));
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
+  options.has_world_errors = job.has_space_errors;
   if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;
   LODE_TRY(options.memory_limit, parse_memory_limit(job.memory_limit));
   if (base_cells && !made.mesh.tetrahedra.empty())

@@ -15,6 +15,7 @@ struct TetraBuildJob {
   std::string boundary_tolerance;  ///< The same; empty: 0.
   std::string memory_limit;        ///< The same; empty: what the machine has.
   bool is_everywhere = false;      ///< Where errors hold.
+  bool has_space_errors = false;   ///< Besides.
   ReadingArguments reading;
 };
 

@@ -1,5 +1,7 @@
 #include "extract_tetra.h"
 
+#include <cmath>
+
 #include "lode/api/mesh_picture.h"
 #include "outputs.h"
 #include "parse.h"
@@ -16,6 +18,8 @@ struct TetraAnswer {
   double max_error = 0;
   bool is_default = false;  ///< The tolerance.
   double achieved_error = 0;
+  std::optional<double> space_error{};  ///< Achieved,
+  std::optional<double> pixels{};       ///< likewise.
   bool budget_met = true;
   bool is_settled = true;
   double seconds = 0;
@@ -28,6 +32,8 @@ TetraAnswer to_answer(const Report& report, bool is_default) {
   return {report.max_error,
           is_default,
           report.achieved_error,
+          report.achieved_world_error,
+          report.achieved_px,
           report.budget_met,
           report.is_settled,
           report.seconds,
@@ -63,6 +69,7 @@ std::string tetra_comment(const char* kind, const TetraInput& input, const Tetra
   std::string text =
       fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
                   made.max_error, made.achieved_error, name_of(input.field().error_place));
+  if (made.space_error) text += fmt::format(", space_error {} by an estimate", *made.space_error);
   if (!opacity.empty()) text += fmt::format(", as the opacity of {} weighs it", opacity);
   if (const auto time = input.time()) text += fmt::format("; time {}", *time);
   for (const Attribute& more : made.attributes)
@@ -88,8 +95,10 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
     json["with"].push_back({{"field", more.name},
                             {"largest_error", more.error},
                             {"error_kind", name_of(place_of(input, more))}});
-  json["max_error"] = made.max_error;
+  json["max_error"] = std::isfinite(made.max_error) ? Json(made.max_error) : Json(nullptr);
   json["max_error_is_default"] = made.is_default;
+  if (made.space_error) json["achieved_space_error"] = *made.space_error;
+  if (made.pixels) json["achieved_px"] = *made.pixels;
   json["achieved_error"] = made.achieved_error;
   if (!job.query.opacity.empty()) json["opacity"] = job.query.opacity;
   json["error_kind"] = name_of(field.error_place);
@@ -113,6 +122,19 @@ std::string name_of_count(const std::string& key) {
   return key == "inverted_cells" ? "cells turned round" : key;
 }
 
+/// Of those that were asked for.
+void add_space_error(const MeshJob& job, const TetraAnswer& made, Table& table) {
+  if (made.space_error)
+    table.add(
+        {"space error", fmt::format("{}{}, by an estimate", format_number(*made.space_error),
+                                    job.query.max_space_error.empty()
+                                        ? ""
+                                        : fmt::format(" of up to {}", job.query.max_space_error))});
+  if (made.pixels)
+    table.add({"pixels", fmt::format("{} of up to {}, by an estimate", format_number(*made.pixels),
+                                     job.query.max_error_px)});
+}
+
 Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
                       const Json& counts, const Session& session) {
   const TetraInfo& info = input.dataset.describe();
@@ -133,10 +155,11 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                                  format_number(field.base_error), place)});
   table.add(
       {"max error",
-       format_number(made.max_error) +
+       (std::isfinite(made.max_error) ? format_number(made.max_error) : std::string("any")) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
   table.add({"achieved error", format_number(made.achieved_error) + ' ' + place +
                                    (job.query.opacity.empty() ? "" : kWhereShown)});
+  add_space_error(job, made, table);
   if (info.boundary_deviation > 0)
     table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
   if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
@@ -156,6 +179,13 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   return outcome;
 }
 
+/// Of a foreign file that is built what its query needs is found, too.
+ReadingArguments reading_of(const MeshJob& job) {
+  ReadingArguments reading = with_warp(job.reading, job.query.warp);
+  reading.has_space_errors = !job.query.max_space_error.empty() || !job.query.max_error_px.empty();
+  return reading;
+}
+
 constexpr const char* kMeshOfCells = "mesh of cells";
 
 /// What is wanted of a mesh of cells, when its arguments have been looked at.
@@ -173,17 +203,16 @@ Result<TetraJob> section_job(const MeshJob& job) {
   made.sections.isovalues = one.isovalues;
   made.sections.field_ranges = one.field_ranges;
   made.sections.max_error = one.max_error;
+  Query tolerances;
+  LODE_CHECK(add_space_tolerances(job.query, tolerances));
+  made.sections.max_world_error = tolerances.max_world_error;
   made.sections.budget = one.budget;
   LODE_TRY(made.sections.deadline_s, to_deadline(job.query));
-  made.is_default = !one.max_error;
+  made.is_default = !one.max_error && !made.sections.max_world_error;
   return made;
 }
 
 Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
-  if (!job.query.max_error_px.empty())
-    return fail(
-        "--max-error-px: expected --max-error with a mesh of cells, whose errors are of the "
-        "field alone");
   if (!job.query.patches.empty() && !job.query.is_boundary)
     return fail("--patch: expected --boundary with it, whose faces it chooses");
   const bool is_section = !job.query.sections.empty() && !job.query.is_mesh;
@@ -201,6 +230,7 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   if (!job.query.view.empty()) {
     LODE_TRY(options.query.view, read_view(job.query));
   }
+  LODE_CHECK(add_space_tolerances(job.query, options.query));
   LODE_TRY(const auto deadline_s, to_deadline(job.query));
   TetraJob made;
   LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
@@ -214,7 +244,8 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
                .patches = job.query.patches,
                .threads = threads};
   LODE_TRY(made.mesh.threshold, to_threshold(job.query));
-  made.is_default = !options.query.max_error;
+  made.is_default =
+      !options.query.max_error && !options.query.max_error_px && !options.query.max_world_error;
   return made;
 }
 
@@ -254,8 +285,7 @@ Result<std::vector<std::int64_t>> wanted_regions(const MeshJob& job, const Tetra
 }
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input,
-           open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
+  LODE_TRY(const TetraInput input, open_tetra_input(job.input, reading_of(job), session));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
   LODE_TRY(options.regions, wanted_regions(job, input));
@@ -337,8 +367,7 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
 }
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& session) {
-  LODE_TRY(const TetraInput input,
-           open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
+  LODE_TRY(const TetraInput input, open_tetra_input(job.input, reading_of(job), session));
   const TetraFieldInfo& field = input.field();
   LODE_TRY(wanted.mesh.regions, wanted_regions(job, input));
   wanted.surface.regions = wanted.sections.regions = wanted.mesh.regions;

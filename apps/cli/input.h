@@ -32,6 +32,7 @@ struct ReadingArguments {
   std::string placement;
   std::string order;
   bool is_fast = false;
+  bool has_space_errors = false;  ///< Of a mesh of cells that is built; as far as queries need it.
   bool salvage = false;
 
   /// Of those.

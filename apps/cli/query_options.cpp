@@ -152,8 +152,12 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "Accurate where a camera sees it (as render --save-camera writes them)");
   add("--view-size", arguments.view_size, "WxH", "Pixels of the view (default: 1920x1080)");
   add("--max-error-px", arguments.max_error_px, "P",
-      "Tolerance in pixels of the view, by an estimate of distances; of terrain a bound, of "
-      "vertical errors");
+      "Tolerance in pixels of the view, by an estimate of distances, which meshes of cells have "
+      "that "
+      "are built with --space-errors; of terrain a bound, of vertical errors");
+  add("--max-space-error", arguments.max_space_error, "D",
+      "Tolerance in space, of a mesh of cells built with --space-errors: how far from its place a "
+      "value may be, world units, by an estimate; without --max-error values may be off by any");
   add("--max-error-outside", arguments.max_error_outside, "E",
       "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of terrain "
       "and of a mesh of cells also with % (default: any)");
@@ -187,6 +191,19 @@ Result<std::optional<double>> to_deadline(const QueryArguments& arguments) {
   return deadline_ms ? std::optional(*deadline_ms / 1000) : std::nullopt;
 }
 
+Result<void> add_space_tolerances(const QueryArguments& arguments, Query& query) {
+  if (!arguments.max_error_px.empty() && arguments.view.empty())
+    return fail("--max-error-px: expected --view with it, which says how large pixels are");
+  LODE_TRY(query.max_error_px, parse_limit("--max-error-px", arguments.max_error_px));
+  LODE_TRY(query.max_world_error, parse_limit("--max-space-error", arguments.max_space_error));
+  const bool is_in_space = !query.max_error && (query.max_error_px || query.max_world_error);
+  if (is_in_space && arguments.max_error_outside.ends_with('%'))
+    return fail("--max-error-outside: expected a number in the unit of {}, got {}",
+                query.max_world_error ? "--max-space-error" : "--max-error-px",
+                arguments.max_error_outside);
+  return {};
+}
+
 Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells) {
   if (arguments.is_boundary && arguments.is_mesh)
     return fail("--boundary: expected no --mesh with it, got both");
@@ -198,6 +215,10 @@ Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells) {
     return fail("--opacity: expected --mesh or --boundary with it, got neither");
   if (!arguments.view_size.empty() && arguments.view.empty())
     return fail("--view-size: expected --view with it");
+  if (!is_of_cells && !arguments.max_space_error.empty())
+    return fail(
+        "--max-space-error: expected a mesh of cells with it; of a volume's surface --max-distance "
+        "is a bound");
   if (arguments.is_wanted()) {
     if (is_of_cells) return {};
     for (const auto& [name, is_set] : {std::pair{"--view", !arguments.view.empty()},

@@ -32,6 +32,7 @@ struct QueryArguments {
   std::string view;
   std::string view_size;  ///< Empty: 1920x1080.
   std::string max_error_px;
+  std::string max_space_error;
   std::string deadline_ms;
 
   /// Whether the answer is a mesh, its boundary or a section, and no isosurface.
@@ -54,6 +55,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<View> to_view(const QueryArguments& arguments);
 /// With the camera of --view, from its file.
 [[nodiscard]] Result<View> read_view(const QueryArguments& arguments);
+/// Of --max-error-px, in pixels of the view, which there must be, and of --max-space-error.
+[[nodiscard]] Result<void> add_space_tolerances(const QueryArguments& arguments, Query& query);
 /// Of --deadline-ms, in seconds.
 [[nodiscard]] Result<std::optional<double>> to_deadline(const QueryArguments& arguments);
 

@@ -242,7 +242,7 @@ std::string name_of_order(const ReadingArguments& reading) {
 }
 
 Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading, Threads threads) {
-  TetraBuildOptions options{.threads = threads};
+  TetraBuildOptions options{.has_world_errors = reading.has_space_errors, .threads = threads};
   LODE_TRY(options.order, to_order(reading));
   if (reading.placement == "midpoint")
     options.placement = Placement::midpoint;

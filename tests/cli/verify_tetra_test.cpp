@@ -99,12 +99,18 @@ TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
   Progress progress;
   ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
   for (const char* const n_base : {"100", "4000"}) {
+    ASSERT_EQ(run_lode({"build", mesh_, lode_, "--field", "noise", "--with", "waves",
+                        "--base-cells", n_base, "--space-errors"})
+                  .exit_code,
+              0);
+    EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
+        << read_in_python(lode_, mesh_);
     ASSERT_EQ(
         run_lode({"build", mesh_, lode_, "--field", "noise", "--base-cells", n_base}).exit_code, 0);
     EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
         << read_in_python(lode_, mesh_);
-    for (const Words& fields :
-         {Words{"--field", "noise"}, Words{"--field", "noise", "--with", "waves"}}) {
+    for (const Words& fields : {Words{"--field", "noise"},
+                                Words{"--field", "noise", "--with", "waves", "--space-errors"}}) {
       Words build{"build", mesh_, lode_, "--base-cells", n_base, "--placement", "midpoint"};
       build.insert(build.end(), fields.begin(), fields.end());
       ASSERT_EQ(run_lode(build).exit_code, 0);

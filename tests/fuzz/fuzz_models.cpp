@@ -61,6 +61,10 @@ void ask_tetra(const TetraDataset& dataset) {
     for (std::size_t f = 1; f < info.fields.size(); ++f) options.fields.along.push_back(f);
     if (dataset.extract_mesh(options, mesh, progress)) check_mesh(mesh);
   }
+  SimplexMesh in_space;
+  TetraMeshOptions by_space{.query = {.max_world_error = 0.1}, .threads = kOne};
+  by_space.fields.measured = info.fields.size() - 1;
+  if (dataset.extract_mesh(by_space, in_space, progress)) check_mesh(in_space);
   Surface surface;
   const TetraSurfaceOptions options{
       .query = {.isovalues = {field.range_min / 2 + field.range_max / 2}, .max_error = 0.0},

@@ -332,6 +332,7 @@ void keep_tetra_files() {
   waves.type = ScalarType::float64;
   for (double& value : waves.values) value = std::sin(9 * value) / 3;
   options.placement = Placement::midpoint;
+  options.has_world_errors = true;
   keep_tetra_file(mesh, options, "midpoint");
   add_patches(mesh);
   options.boundary_tolerance = 0.2;

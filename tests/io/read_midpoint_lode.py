@@ -22,14 +22,14 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import read_tetra_lode as tetra  # noqa: E402
 from read_tetra_lode import BadFile, Bits, Cursor, container, expect, np, parts, unzigzag  # noqa: E402
 
-TABLE, ROOTS, BASE_CELLS, PAGES, FIELD_ROOTS, FIELD_PAGES, COINCIDENT = range(1, 8)
+TABLE, ROOTS, BASE_CELLS, PAGES, FIELD_ROOTS, FIELD_PAGES, COINCIDENT, WORLD_ERRORS = range(1, 9)
 LEAF, NEAR, FAR = range(3)
 
 
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 3, "unknown layout")
+    expect(c.take("I") == 4, "unknown layout")
     m["V"], m["P"], m["B"], m["R"] = c.take("4I")
     m["n_reference"], m["n_base"], m["T"] = c.take("3Q")
     m["box"], m["deviation"] = c.take("6d"), c.take("d")
@@ -52,6 +52,7 @@ def read_field(c):
     f["step"], f["E"], f["knots"] = c.take("iq"), c.take("d"), c.take("64d")
     expect(list(f["knots"]) == sorted(f["knots"]), "knots are not ascending")
     expect((f["min"], f["max"]) == (f["knots"][0], f["knots"][-1]), "other knots")
+    f["in_space"] = tetra.read_base_world_error(c)
     return f
 
 
@@ -542,9 +543,30 @@ def compare(file, cells, path):
         expect(wanted == found, "tetrahedra are others" if size == 4 else "faces are others")
 
 
+def check_world_errors(file):
+    """Codes are nested along splits; the base's is the largest of a root."""
+    V = file.m["V"]
+    for i, field in enumerate(file.m["fields"]):
+        if field["in_space"] is None:
+            continue
+        codes = {}
+        for page in range(file.m["P"]):
+            c = Cursor(file.library, file.take(WORLD_ERRORS, page, i))
+            codes.update(zip(file.nodes[page], c.bytes(len(file.nodes[page])).tolist()))
+            c.end()
+        for node, code in codes.items():
+            for end in file.ends[node]:
+                expect(end < V or codes[end - V] <= code, f"node {node}: world error is not nested")
+        largest = max((codes[root - V] for root in file.roots if root >= V), default=0)
+        box = file.m["box"]
+        expect(field["in_space"] == tetra.world_error(largest, box[:3], box[3:]),
+               "the base's world error is another")
+
+
 def main():
     file = File(sys.argv[1])
     file.read_pages()
+    check_world_errors(file)
     left_over = [key for key in file.blocks if key[0] != 0]
     expect(not left_over, f"blocks left over: {left_over[:5]}")
     cells = split_all(file)

@@ -31,7 +31,7 @@ from independent_reader import BadFile, expect  # noqa: E402
 
 NONE = 0xFFFFFFFF
 PAGE, PART = 512, 65536
-BASE_VERTICES, BASE_CELLS, ROOTS, LINKS, FIELD, GRADIENTS, BASE_VALUES, ORIGINS = range(1, 9)
+BASE_VERTICES, BASE_CELLS, ROOTS, LINKS, FIELD, GRADIENTS, BASE_VALUES, ORIGINS, WORLD_ERRORS = range(1, 10)
 
 
 class Cursor:
@@ -520,7 +520,7 @@ def read_regions(c):
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 7, "unknown layout")
+    expect(c.take("I") == 8, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
@@ -532,9 +532,27 @@ def read_metadata(raw):
         f = {"name": c.take_bytes(c.take("I")).decode("utf-8")}
         f["type"], f["narrow"], f["everywhere"], f["has_time"], f["time"] = c.take("BBBBd")
         f["base_error"], f["min"], f["max"] = c.take("3d")
+        f["in_space"] = read_base_world_error(c)
         m["fields"].append(f)
     c.end()
     return m
+
+
+def read_base_world_error(c):
+    """None where the field has none."""
+    has, error = c.take("B"), c.take("d")
+    expect(has < 2 and error >= 0 and (has == 1 or error == 0), "a world error of nothing")
+    return error if has else None
+
+
+def world_error(code, lower, upper):
+    """Rounded up to single precision."""
+    if code in (0, 255):
+        return 0.0 if code == 0 else math.inf
+    diagonal = float(np.sqrt(((np.array(upper) - np.array(lower)) ** 2).sum()))
+    exponent = min(max(math.frexp(diagonal)[1], -90), 126) if diagonal > 0 else 0
+    octave, step = divmod(code - 1, 8)
+    return float(np.float32(math.ldexp(1 + step / 8, exponent - 31 + octave)))
 
 
 def n_labels(m):
@@ -659,8 +677,32 @@ class File:
             c = self.open(GRADIENTS, page, i)
             c.numbers(n, 4)
             c.end()
+        if f["in_space"] is not None:
+            f["world_codes"] = np.concatenate(
+                [self.read_world_codes(page, i) for page in range(self.n_pages)] or [np.zeros(0, int)])
         f["values"] = np.concatenate(base + values)
         f["facts"] = np.concatenate(facts) if facts else np.zeros((0, 3), int)
+
+    def read_world_codes(self, page, i):
+        c = self.open(WORLD_ERRORS, page, i)
+        codes = c.numbers(self.n_page_vertices[page], 1).astype(int)
+        c.end()
+        return codes
+
+
+def check_world_errors(file):
+    """Codes are nested; the base's is the largest that its cells wait for."""
+    for f in file.m["fields"]:
+        if f["in_space"] is None:
+            continue
+        codes = f["world_codes"]
+        for k, found in enumerate(file.discovered):
+            for child in found:
+                expect(codes[k] >= codes[child], f"node {k}: world error is not nested")
+        largest = max((codes[k] for k in file.waiting if k != NONE), default=0)
+        box = np.array(file.m["box"])
+        rounded = world_error(int(largest), box[:3], box[3:])
+        expect(f["in_space"] <= rounded <= 1.13 * f["in_space"], "the base's world error is another")
 
 
 def replay(file):
@@ -883,6 +925,7 @@ def main():
     file.lower, file.upper = find_boxes(file)
     check_nesting(file)
     check_values(file)
+    check_world_errors(file)
     cells = replay(file)
     inner = [(c, r) for c, r in cells if file.m["B"] + file.m["N"] not in c]
     expect(len(inner) == file.m["n_reference"], f"got {len(inner)} cells")

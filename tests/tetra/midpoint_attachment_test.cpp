@@ -121,16 +121,17 @@ void expect_repeated(const TetraMesh& mesh, const EdgeCollapseOptions& options) 
   ASSERT_GT(built.collapses.size(), 100U);
   Progress progress;
   const std::size_t n = mesh.fields.size();
-  const auto all =
-      repeat_collapses(mesh, built.collapses, options.boundary_tolerance, {2}, progress);
+  const auto all = repeat_collapses(
+      mesh, built.collapses, {.boundary_tolerance = options.boundary_tolerance}, {2}, progress);
   ASSERT_TRUE(all) << all.error().message;
   ASSERT_EQ(all->facts.size(), built.facts.size());
   for (std::size_t i = 0; i < built.facts.size(); ++i)
     expect_same_bits(all->facts[i], built.facts[i]);
   EXPECT_EQ(all->errors, built.errors);
   for (std::size_t f = 0; f < n; ++f) {
-    const auto one = repeat_collapses(with_field(mesh, f), built.collapses,
-                                      options.boundary_tolerance, {2}, progress);
+    const auto one =
+        repeat_collapses(with_field(mesh, f), built.collapses,
+                         {.boundary_tolerance = options.boundary_tolerance}, {2}, progress);
     ASSERT_TRUE(one) << one.error().message;
     const EdgeCollapses expected = of_field(built, f, n);
     for (std::size_t i = 0; i < expected.facts.size(); ++i)
@@ -334,7 +335,7 @@ TEST(midpoint_attachment, takes_what_lies_there_between_a_maximum_and_a_minimum)
   Random random(3);
   for (double& value : mesh.fields[0].values) value = random.uniform();
   Progress progress;
-  const auto repeated = repeat_collapses(mesh, collapses.collapses, 0, {2}, progress);
+  const auto repeated = repeat_collapses(mesh, collapses.collapses, {}, {2}, progress);
   ASSERT_TRUE(repeated) << repeated.error().message;
   std::size_t n_own = 0;
   for (std::size_t k = 0; k < repeated->facts.size(); ++k) {
@@ -353,12 +354,12 @@ TEST(midpoint_attachment, refuses_collapses_that_the_mesh_has_not_got) {
   EdgeCollapses collapses = collapsed(mesh, 50);
   collapses.collapses[10].removed = collapses.collapses[0].removed;
   Progress progress;
-  const auto repeated = repeat_collapses(mesh, collapses.collapses, 0, {2}, progress);
+  const auto repeated = repeat_collapses(mesh, collapses.collapses, {}, {2}, progress);
   ASSERT_FALSE(repeated);
   EXPECT_NE(repeated.error().message.find("collapse 10 of"), std::string::npos)
       << repeated.error().message;
   progress.cancel();
-  EXPECT_FALSE(repeat_collapses(mesh, collapses.collapses, 0, {2}, progress));
+  EXPECT_FALSE(repeat_collapses(mesh, collapses.collapses, {}, {2}, progress));
 }
 
 /// Whose vertices lie where they do, but by codes from which the build would not make its nodes.

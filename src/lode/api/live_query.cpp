@@ -181,6 +181,8 @@ Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
 
 Result<void> check_live_query(const Query& query, bool has_views) {
   LODE_CHECK(check_query(query));
+  if (query.max_world_error)
+    return fail("max world error: expected none of a volume, which has distances of surfaces");
   if (query.isovalues.size() != 1)
     return fail("a surface that follows its query: expected one isovalue, got {}",
                 query.isovalues.size());

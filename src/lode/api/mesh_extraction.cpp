@@ -40,6 +40,8 @@ struct MeshDemand {
 
 template <typename Field>
 Result<Query> complete_query(const Field& model, Query query) {
+  if (query.max_world_error)
+    return fail("max world error: expected none of a volume, which has distances of surfaces");
   if (query.view || query.max_error_px)
     return fail("meshes: expected a tolerance in field units and no view, got a view or pixels");
   if (!query.max_error)

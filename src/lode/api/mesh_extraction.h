@@ -26,9 +26,13 @@ struct MeshOptions {
 };
 
 struct MeshReport {
-  double max_error = 0;           ///< The tolerance asked for (or chosen), field units.
-  double achieved_error = 0;      ///< Proven bound of |F - F'| over the cells in focus.
-  double largest_error = 0;       ///< The same over all cells.
+  double max_error = 0;       ///< The tolerance asked for (or chosen), field units; or infinite.
+  double achieved_error = 0;  ///< Proven bound of |F - F'| over the cells in focus.
+  double largest_error = 0;   ///< The same over all cells.
+  /// Of meshes of tetrahedra, with a tolerance of them: largest world error in focus, an estimate;
+  /// and how large that appears in the query's view.
+  std::optional<double> achieved_world_error{};
+  std::optional<double> achieved_px{};
   std::uint64_t n_cells = 0;      ///< Of the mesh; of volumes what the budget counts.
   std::uint64_t n_cut_cells = 0;  ///< Of the cut, before it is clipped at the border.
   std::uint64_t n_vertices = 0;

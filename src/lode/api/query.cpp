@@ -112,8 +112,10 @@ Result<void> check_query(const Query& query) {
   LODE_CHECK(check_regions(query));
   LODE_CHECK(check_tolerance("max error", query.max_error));
   LODE_CHECK(check_tolerance("max error in pixels", query.max_error_px));
+  LODE_CHECK(check_tolerance("max world error", query.max_world_error));
   LODE_CHECK(check_tolerance("max error outside", query.max_error_outside));
-  if (!query.max_error && !query.max_error_px) return fail("expected a tolerance, got none");
+  if (!query.max_error && !query.max_error_px && !query.max_world_error)
+    return fail("expected a tolerance, got none");
   if (query.max_error_px && !query.view)
     return fail("max error in pixels: expected a view that says how large pixels are");
   if (!query.view) return {};
@@ -129,6 +131,7 @@ Demand to_demand(const Query& query) {
     for (FocusDemand& part : parts_of(query, unit, tolerance)) parts.push_back(std::move(part));
   };
   if (query.max_error) add(ErrorUnit::field, *query.max_error);
+  if (query.max_world_error) add(ErrorUnit::world, *query.max_world_error);
   if (query.max_error_px) add(ErrorUnit::pixels, *query.max_error_px);
   if (parts.size() == 1) return std::move(parts.front());
   return max_of({parts.begin(), parts.end()});

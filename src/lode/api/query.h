@@ -37,7 +37,10 @@ struct Query {
 
   std::optional<double> max_error;     ///< Field units.
   std::optional<double> max_error_px;  ///< Of the world error, an estimate; needs a view.
-  /// Where regions or the view exclude a value, in the unit of the tolerance; unset: anything.
+  /// Of the world error itself, in world units: of meshes of tetrahedra that know it.
+  std::optional<double> max_world_error;
+  /// Where regions or the view exclude a value, in the unit of the tolerance, of several of the
+  /// first there is; unset: anything.
   std::optional<double> max_error_outside;
 
   Budget budget;

@@ -72,13 +72,14 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
         "boundary tolerance: expected 0 where errors hold everywhere, as nothing is known of what "
         "is outside, got {}",
         options.boundary_tolerance);
-  LODE_TRY(auto collapses,
-           tetra_mt::collapse_half_edges(
-               mesh,
-               {.base_cells = base_cells_of(mesh, options),
-                .rules = {.order = options.order, .boundary_tolerance = options.boundary_tolerance},
-                .threads = options.threads},
-               progress));
+  LODE_TRY(auto collapses, tetra_mt::collapse_half_edges(
+                               mesh,
+                               {.base_cells = base_cells_of(mesh, options),
+                                .rules = {.order = options.order,
+                                          .boundary_tolerance = options.boundary_tolerance,
+                                          .has_world_errors = options.has_world_errors},
+                                .threads = options.threads},
+                               progress));
   if (is_everywhere)
     LODE_CHECK(make_errors_hold_everywhere(mesh, collapses, options.threads, progress));
   return collapses;
@@ -101,6 +102,7 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
                                               {.base_cells = base_cells_of(mesh, options),
                                                .order = options.order,
                                                .boundary_tolerance = options.boundary_tolerance,
+                                               .has_world_errors = options.has_world_errors,
                                                .threads = options.threads},
                                               progress));
   LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));

@@ -18,6 +18,10 @@ using tetra_mt::TetraCut;
 using tetra_mt::midpoint::Forest;
 using tetra_mt::midpoint::MidpointCut;
 
+tetra_mt::WorldErrors known_of(const TetraFieldInfo& field) {
+  return field.base_world_error ? tetra_mt::WorldErrors::known : tetra_mt::WorldErrors::unknown;
+}
+
 template <typename Cut>
 Result<RefinedCells> refine(Cut cut, const TetraFieldInfo& field,
                             const std::optional<double>& tolerance, Progress& progress) {
@@ -31,7 +35,13 @@ Result<RefinedCells> refine(Cut cut, const TetraFieldInfo& field,
   const double achieved = tolerance
                               ? engine.largest([](const NodeFacts& facts) { return facts.error; })
                               : field.base_error;
-  return RefinedCells{TetraCells(cut), achieved};
+  RefinedCells made{TetraCells(cut), achieved};
+  if (field.base_world_error)
+    made.achieved_world =
+        tolerance ? engine.largest([](const NodeFacts& facts) { return facts.world_error; })
+                  : *field.base_world_error;
+  LODE_CHECK(cut.check());
+  return made;
 }
 
 template <typename Cut>
@@ -70,7 +80,8 @@ class HalfEdgeSource final : public TetraCutSource {
   void spread(std::vector<bool>& /*is*/) const override {}
   Result<RefinedCells> refined(std::size_t field, std::optional<double> tolerance,
                                Progress& progress) const override {
-    return refine(TetraCut(hierarchy_, field), info_.fields[field], tolerance, progress);
+    const TetraFieldInfo& info = info_.fields[field];
+    return refine(TetraCut(hierarchy_, field, known_of(info)), info, tolerance, progress);
   }
   Result<TetraCells> random(std::uint32_t n_nodes, std::uint64_t seed) const override {
     return cells_at_random(TetraCut(hierarchy_), hierarchy_.head().shape.n_nodes, n_nodes, seed);
@@ -113,7 +124,8 @@ class MidpointSource final : public TetraCutSource {
   }
   Result<RefinedCells> refined(std::size_t field, std::optional<double> tolerance,
                                Progress& progress) const override {
-    return refine(MidpointCut(forest_, field), info_.fields[field], tolerance, progress);
+    const TetraFieldInfo& info = info_.fields[field];
+    return refine(MidpointCut(forest_, field, known_of(info)), info, tolerance, progress);
   }
   Result<TetraCells> random(std::uint32_t n_nodes, std::uint64_t seed) const override {
     return cells_at_random(MidpointCut(forest_), forest_.head().n_nodes(), n_nodes, seed);

@@ -16,7 +16,8 @@ namespace lode {
 
 struct RefinedCells {
   TetraCells cells;
-  double achieved = 0;  ///< Largest error of a node that is not applied.
+  double achieved = 0;        ///< Largest error of a node that is not applied,
+  double achieved_world = 0;  ///< and world error, where the field has them.
 };
 
 /// Cuts of a hierarchy of half edges or of midpoints, as verification looks at them. All fail where

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <new>
@@ -15,6 +16,7 @@
 #include "lode/api/tetra_build.h"
 #include "lode/api/tetra_cut_mesh.h"
 #include "lode/api/tetra_cut_source.h"
+#include "lode/api/tetra_focus.h"
 #include "lode/api/tetra_info.h"
 #include "lode/api/tetra_probe.h"
 #include "lode/api/tetra_query.h"
@@ -236,25 +238,18 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
   const Standing standing = engine.standing();
   TetraCutMesh made{.origin = surface_origin, .margin = surface_margin};
   LODE_TRY(made.vertex_ids, fill(made.mesh));
-  made.report.max_error = *query.max_error;
-  // What is out of sight remains a candidate, and what is out of focus with a tolerance there.
-  const auto view = query.view ? std::optional(to_view_focus(*query.view)) : std::nullopt;
-  Query focused = query;
-  focused.max_error_outside.reset();
-  // With a tolerance of 0 a demand is the error, as opacity weighs it, and never quite 0.
-  const bool is_weighed = !query.opacity.empty();
-  if (is_weighed) focused.max_error = 0;
-  constexpr double kNegligible = 1e-29;
-  const Demand focus =
-      in_regions(demand_of(std::move(focused), 2 * surface_margin), info, options.regions);
-  const auto error_in_focus = [&](const NodeFacts& facts) {
-    const bool counts = focus.touches(facts) && (!view || view->shows(facts.bounds));
-    if (!counts || !is_weighed) return counts ? facts.error : 0.0;
-    const double weighed = focus(facts);
-    return weighed > kNegligible ? weighed : 0.0;
+  made.report.max_error = query.max_error.value_or(std::numeric_limits<double>::infinity());
+  const TetraFocus focus(query, 2 * surface_margin, info, options.regions);
+  const auto largest = [&](double (TetraFocus::*measure)(const NodeFacts&) const, double unknown) {
+    if (!has_candidates) return unknown;
+    return engine.largest([&](const NodeFacts& facts) { return (focus.*measure)(facts); });
   };
-  made.report.achieved_error = has_candidates ? engine.largest(error_in_focus)
-                                              : info.fields[options.fields.measured].base_error;
+  const TetraFieldInfo& field = info.fields[options.fields.measured];
+  made.report.achieved_error = largest(&TetraFocus::error, field.base_error);
+  if (needs_world_errors(query))
+    made.report.achieved_world_error = largest(&TetraFocus::world_error, *field.base_world_error);
+  if (query.max_error_px)
+    made.report.achieved_px = largest(&TetraFocus::pixels, std::numeric_limits<double>::infinity());
   made.report.n_cut_cells = standing.n_cells;
   made.report.budget_met = standing.budget_met;
   made.report.is_settled = standing.is_settled;
@@ -271,8 +266,10 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
            complete_query(info.fields[options.fields.measured], wanted, options.deadline_s));
   LODE_CHECK(check_regions(info, options.regions));
   using Ids = Result<std::vector<std::uint32_t>>;
+  const auto world_errors =
+      needs_world_errors(query) ? tetra_mt::WorldErrors::known : tetra_mt::WorldErrors::unknown;
   if (midpoints) {
-    tetra_mt::midpoint::MidpointCut cut(*midpoints, options.fields.measured);
+    tetra_mt::midpoint::MidpointCut cut(*midpoints, options.fields.measured, world_errors);
     const auto finishing = [&](std::uint64_t n) {
       return finishing_seconds(*midpoints, options.fields, n);
     };
@@ -284,7 +281,7 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
     };
     return refine(cut, query, options, finishing, fill, progress);
   }
-  TetraCut cut(*hierarchy, options.fields.measured);
+  TetraCut cut(*hierarchy, options.fields.measured, world_errors);
   const auto errors = options.deadline_s ? CellErrors::at_hand : CellErrors::own;
   const auto finishing = [&](std::uint64_t n) {
     return finishing_seconds(*hierarchy, options.fields, n);

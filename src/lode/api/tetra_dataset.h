@@ -35,6 +35,10 @@ struct TetraBuildOptions {
   /// How far the boundary, and what lies between regions, may move; the mesh's unit. 0: they stay
   /// in their planes (CollapseRules::boundary_tolerance).
   double boundary_tolerance = 0;
+  /// Whether world errors are found, too: how far points of the same value may lie apart, the
+  /// paper's space error, an estimate (CollapseFacts). Queries with Query::max_world_error or
+  /// max_error_px need them; a byte a vertex and field.
+  bool has_world_errors = false;
   /// Where errors hold. Everywhere takes a few times as long, and a boundary_tolerance of 0.
   ErrorPlace error_place = ErrorPlace::at_samples;
   /// Midpoints have errors at samples.
@@ -69,6 +73,8 @@ struct TetraFieldInfo {
   ErrorPlace error_place = ErrorPlace::at_samples;  ///< Of all its errors.
   double base_error = 0;                            ///< Largest |F - F'| on the base.
   std::optional<double> time{};                     ///< Of a series.
+  /// Largest world error of a node that the base's cells wait for; none where it has none.
+  std::optional<double> base_world_error{};
 };
 
 struct TetraInfo {

@@ -43,6 +43,8 @@ TetraSurfaceReport begin(const TetraCutMesh& cut, Surface& surface) {
   surface.origin = cut.origin;
   surface.region_names = cut.mesh.region_names;
   return {.max_error = cut.report.max_error,
+          .achieved_world_error = cut.report.achieved_world_error,
+          .achieved_px = cut.report.achieved_px,
           .n_cut_cells = cut.report.n_cut_cells,
           .n_left_out = cut.report.n_left_out,
           .budget_met = cut.report.budget_met,
@@ -85,6 +87,7 @@ Query query_of(const TetraSectionOptions& options) {
   for (const SectionPlane& plane : options.planes)
     query.sections.push_back({plane.point, plane.normal});
   query.max_error = options.max_error;
+  query.max_world_error = options.max_world_error;
   query.budget = options.budget;
   return query;
 }

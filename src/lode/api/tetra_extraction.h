@@ -48,9 +48,10 @@ struct TetraSurfaceOptions {
 
 struct TetraSectionOptions {
   std::vector<SectionPlane> planes;
-  std::vector<double> isovalues;      ///< As in SectionOptions.
-  std::vector<Range> field_ranges;    ///< Likewise.
-  std::optional<double> max_error{};  ///< Likewise.
+  std::vector<double> isovalues;            ///< As in SectionOptions.
+  std::vector<Range> field_ranges;          ///< Likewise.
+  std::optional<double> max_error{};        ///< Likewise.
+  std::optional<double> max_world_error{};  ///< Query's.
   Budget budget{};
   std::optional<double> deadline_s{};
   std::vector<std::int64_t> regions{};
@@ -61,6 +62,8 @@ struct TetraSectionOptions {
 struct TetraSurfaceReport {
   double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
   double achieved_error = 0;  ///< Largest error of a cell that the surface comes from.
+  std::optional<double> achieved_world_error{};  ///< MeshReport's, of the whole cut,
+  std::optional<double> achieved_px{};           ///< likewise.
   std::uint64_t n_triangles = 0;
   std::uint64_t n_lines = 0;
   std::uint64_t n_vertices = 0;

@@ -30,7 +30,7 @@ TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
   std::vector<TetraFieldInfo> fields;
   for (const tetra_mt::midpoint::ForestField& field : head.fields)
     fields.push_back({field.name, field.type, field.low, field.high, ErrorPlace::at_samples,
-                      field.base_error, field.time});
+                      field.base_error, field.time, field.base_world_error});
   return {.placement = Placement::midpoint,
           .n_vertices = head.n_vertices,
           .n_cells = head.n_cells,
@@ -63,7 +63,7 @@ TetraInfo info_of(const tetra_mt::HierarchyHead& head) {
   for (const tetra_mt::HierarchyHead::Field& field : head.fields)
     fields.push_back({field.name, field.type, field.low, field.high,
                       field.has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples,
-                      field.base_error, field.time});
+                      field.base_error, field.time, field.base_world_error});
   return {.n_vertices = head.n_vertices(),
           .n_cells = head.n_cells,
           .n_base_cells = head.n_base_cells,

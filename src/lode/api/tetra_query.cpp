@@ -62,11 +62,14 @@ Error no_region(const TetraInfo& info, const std::string& got) {
 
 Result<Query> complete_query(const TetraFieldInfo& field, Query query,
                              const std::optional<double>& deadline_s) {
-  if (query.max_error_px)
-    return fail("meshes: expected a tolerance in field units, got pixels, of which they know none");
+  if (needs_world_errors(query) && !field.base_world_error)
+    return fail(
+        "{}: expected a model that knows its space errors with a tolerance of them, or of pixels; "
+        "got one that was built without",
+        field.name);
   if (deadline_s && !(*deadline_s >= 0))
     return fail("deadline: expected a number >= 0, got {}", *deadline_s);
-  if (!query.max_error)
+  if (!query.max_error && !needs_world_errors(query))
     query.max_error = query.budget.is_limited() || deadline_s
                           ? 0
                           : kShareOfRange * (field.range_max - field.range_min);
@@ -118,9 +121,14 @@ Result<void> check_fields(const TetraInfo& info, const TetraFieldUse& use) {
 Demand demand_of(Query query, double widening) {
   const std::optional<double> outside = std::exchange(query.max_error_outside, std::nullopt);
   Demand demand = to_demand(query);
+  const ErrorUnit unit = query.max_error         ? ErrorUnit::field
+                         : query.max_world_error ? ErrorUnit::world
+                                                 : ErrorUnit::pixels;
   if (!query.sections.empty()) demand = WidenedDemand{std::move(demand), widening};
-  if (outside) demand = max_of({std::move(demand), uniform_demand(*outside)});
-  return demand;
+  if (!outside) return demand;
+  FocusDemand elsewhere{.foci = {}, .inside = *outside, .unit = unit};
+  if (query.view) elsewhere.view = to_view_focus(*query.view);
+  return max_of({std::move(demand), std::move(elsewhere)});
 }
 
 Demand in_regions(Demand demand, const TetraInfo& info, std::span<const std::int64_t> regions) {

@@ -23,6 +23,11 @@ namespace lode {
                                          std::span<const std::int64_t> regions);
 [[nodiscard]] Result<void> check_fields(const TetraInfo& info, const TetraFieldUse& use);
 
+/// Whether it asks for more than errors in field units.
+[[nodiscard]] inline bool needs_world_errors(const Query& query) {
+  return query.max_world_error || query.max_error_px;
+}
+
 /// `widening`: how much sections are, world units, as mesh vertices near one count as in it.
 [[nodiscard]] Demand demand_of(Query query, double widening);
 /// The same where it meets regions; everywhere for none. `regions`: numbers that there are.

@@ -13,6 +13,7 @@
 #include "lode/api/tetra_cut_errors.h"
 #include "lode/api/tetra_cut_shape.h"
 #include "lode/api/tetra_overlay_errors.h"
+#include "lode/api/tetra_space_errors.h"
 #include "lode/mappers/self_intersections.h"
 #include "lode/mappers/surface_distance.h"
 #include "lode/models/tetra_mt/structure_check.h"
@@ -76,6 +77,8 @@ class CutVerifier {
  private:
   [[nodiscard]] Result<void> measure(std::size_t field, std::optional<double> share,
                                      VerifyReport& report);
+  void add_space_errors(std::size_t field, std::optional<double> share, const RefinedCells& refined,
+                        VerifyReport& report) const;
   void check_range(std::size_t number, VerifyReport& report) const;
   /// Of a check of one field: names it where there are several.
   [[nodiscard]] std::string named(const std::string& check, std::size_t field) const {
@@ -305,6 +308,22 @@ void CutVerifier::check_range(std::size_t number, VerifyReport& report) const {
                                     field.range_max, low, high));
 }
 
+/// Nothing is promised of an estimate.
+void CutVerifier::add_space_errors(std::size_t field, std::optional<double> share,
+                                   const RefinedCells& refined, VerifyReport& report) const {
+  const TetraSpaceErrors errors =
+      measure_space_errors(vertices_, refined.cells, refined.achieved_world, threads_);
+  const std::string lost =
+      errors.n_lost == 0 ? "" : fmt::format(", and {} whose value is nowhere", errors.n_lost);
+  report.add(named(share ? fmt::format("space errors there, estimated, at {}", *share)
+                         : "space errors there, estimated",
+                   field),
+             errors.n_vertices, 0,
+             fmt::format("largest {:.6g}, RMS {:.6g}, stated {:.6g}; more at {} vertices{}",
+                         errors.largest, errors.root_mean_square, refined.achieved_world,
+                         errors.n_above, lost));
+}
+
 Result<void> CutVerifier::measure(std::size_t number, std::optional<double> share,
                                   VerifyReport& report) {
   const TetraFieldInfo& field = source_.info().fields[number];
@@ -326,6 +345,7 @@ Result<void> CutVerifier::measure(std::size_t number, std::optional<double> shar
              errors.n_vertices, errors.n_above_stated + (is_kept ? 0 : 1),
              fmt::format("largest {:.6g}, stated {:.6g}, {} cells", errors.largest, achieved,
                          cells.corners.size()));
+  if (field.base_world_error) add_space_errors(number, share, refined, report);
   return {};
 }
 

@@ -86,6 +86,21 @@ Result<double> read_deviation(store::ByteReader& in, const std::string& path) {
   return fail("{}: metadata: expected a distance >= 0, got {}", path, deviation);
 }
 
+void write_world_error(const std::optional<double>& error, store::ByteWriter& out) {
+  out.write(static_cast<std::uint8_t>(error ? 1 : 0));
+  out.write(error.value_or(0));
+}
+
+Result<std::optional<double>> read_world_error(store::ByteReader& in, const std::string& path,
+                                               const std::string& field) {
+  LODE_TRY(const auto has_one, in.read<std::uint8_t>());
+  LODE_TRY(const double error, in.read<double>());
+  if (has_one > 1 || !(error >= 0) || (has_one == 0 && error != 0))
+    return fail("{}: metadata: expected 1 and a world error >= 0 of {}, or 0 and 0, got {} and {}",
+                path, field, has_one, error);
+  return has_one == 1 ? std::optional(error) : std::nullopt;
+}
+
 void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out) {
   std::vector<std::uint32_t> column;
   for (std::size_t corner = 0; corner < 4; ++corner) {

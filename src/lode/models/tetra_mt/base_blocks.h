@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,6 +51,11 @@ void write_labels(const HeadLabels& labels, store::ByteWriter& out);
 [[nodiscard]] Result<void> read_box(store::ByteReader& in, const std::string& path, Vec3d& lower,
                                     Vec3d& upper);
 [[nodiscard]] Result<double> read_deviation(store::ByteReader& in, const std::string& path);
+/// Likewise a field's largest world error of the base, none where it has none.
+void write_world_error(const std::optional<double>& error, store::ByteWriter& out);
+[[nodiscard]] Result<std::optional<double>> read_world_error(store::ByteReader& in,
+                                                             const std::string& path,
+                                                             const std::string& field);
 
 /// Tetrahedra of a base, corner by corner.
 void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out);

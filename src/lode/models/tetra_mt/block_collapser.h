@@ -28,6 +28,7 @@ struct CollapseRules {
   /// stays in its planes, but for a millionth of the mesh's size, or for 64 roundings of positions
   /// where these are narrow.
   double boundary_tolerance = 0;
+  bool has_world_errors = false;  ///< CollapseFacts' are found.
 };
 
 /// Collapses edges among a block's vertices. Those with others beside them stay, so that no two
@@ -112,7 +113,8 @@ class BlockCollapser {
   [[nodiscard]] bool collapse_best(float key, float limit);
   [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] bool cover_samples(int kept);
-  void note_facts(std::span<const double> errors);
+  void note_facts(int kept);
+  [[nodiscard]] double world_error_of(int kept, std::size_t field) const;
   void note_star();
   void look_again_beside(float key, float limit);
 

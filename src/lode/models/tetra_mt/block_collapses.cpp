@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lode/models/tetra_mt/block_collapser.h"
+#include "lode/models/tetra_mt/fan_distance.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -38,7 +39,7 @@ bool BlockCollapser::collapse(const Choice& choice) {
       for (std::size_t f = 0; f < n; ++f)
         state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, covers_[s].lane);
   }
-  note_facts(new_errors_);
+  note_facts(place);
   note_star();
   note_deviations(place, choice.moved);
   move_boundary(place);
@@ -148,7 +149,30 @@ double BlockCollapser::error_of(const Cover& cover, int kept, std::uint32_t samp
   return error == 0 ? 0 : error + std::copysign(size * cover.rounding, error);
 }
 
-void BlockCollapser::note_facts(std::span<const double> errors) {
+/// Of the samples, in the mesh's unit.
+double BlockCollapser::world_error_of(int kept, std::size_t field) const {
+  const std::size_t n = state_.n_fields;
+  const auto value = [&](std::uint32_t vertex) { return values_[vertex * n + field]; };
+  std::array<double, Star::kMaxLink> values{};
+  for (int i = 0; i < star_.n_link; ++i)
+    if (i != star_.outside) {
+      const auto at = static_cast<std::size_t>(i);
+      values[at] = value(star_.link[at]);
+    }
+  const auto place = static_cast<std::size_t>(kept);
+  const ValuedFan fan{star_, fan_, link_, link_[place], values, values[place]};
+  double largest = 0;
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    if (new_errors_[s * n + field] == 0) continue;
+    const std::uint32_t sample = covered_.samples[s];
+    const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
+    const double own = state_.value(sample, field);
+    largest = std::max(largest, distance_in_fan(fan, covers_[s].lane, own, p));
+  }
+  return largest / scale_;
+}
+
+void BlockCollapser::note_facts(int kept) {
   const std::size_t n = state_.n_fields;
   for (std::size_t f = 0; f < n; ++f) {
     CollapseFacts facts{0, kInfinity, -kInfinity};
@@ -157,11 +181,12 @@ void BlockCollapser::note_facts(std::span<const double> errors) {
       facts.high = std::max(facts.high, value);
     };
     for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-      facts.error = std::max(facts.error, std::abs(errors[s * n + f]));
+      facts.error = std::max(facts.error, std::abs(new_errors_[s * n + f]));
       widen(state_.value(covered_.samples[s], f));
     }
     for (int i = 0; i < star_.n_link; ++i)
       if (i != star_.outside) widen(values_[star_.link[static_cast<std::size_t>(i)] * n + f]);
+    if (rules_.has_world_errors) facts.world_error = world_error_of(kept, f);
     facts_.push_back(facts);
   }
 }

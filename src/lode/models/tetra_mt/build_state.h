@@ -25,6 +25,9 @@ struct CollapseFacts {
   double error;
   double low;  ///< Of F at these samples, and at the tetrahedra's corners.
   double high;
+  /// Largest distance_in_fan() of a sample from where these tetrahedra have its value, in the
+  /// mesh's unit: the paper's space error, an estimate. Only where CollapseRules ask for it.
+  double world_error = 0;
 };
 
 /// By how much the boundary, and what lies between regions, may move.

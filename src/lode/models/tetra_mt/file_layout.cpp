@@ -38,6 +38,7 @@ Result<HierarchyHead::Field> read_field(store::ByteReader& in, const std::string
       !std::isfinite(field.high - field.low))
     return fail("{}: metadata: expected a finite range of {}, got {} to {}", path, field.name,
                 field.low, field.high);
+  LODE_TRY(field.base_world_error, read_world_error(in, path, field.name));
   return field;
 }
 
@@ -82,6 +83,7 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
     out.write(static_cast<std::uint8_t>(field.time ? 1 : 0));
     for (const double x : {field.time.value_or(0), field.base_error, field.low, field.high})
       out.write(x);
+    write_world_error(field.base_world_error, out);
   }
   return std::move(out).take();
 }

@@ -24,10 +24,11 @@ enum class Kind : std::uint32_t {
   gradients = 6,
   base_field = 7,
   mesh_vertices = 8,
+  world_errors = 9,
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 7;
+inline constexpr std::uint32_t kLayout = 8;
 
 [[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number,
                                             std::uint32_t field = 0) {

@@ -183,6 +183,7 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   result.volume_change = state.volume() - volume;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);
+  result.has_world_errors = options.rules.has_world_errors;
   result.stars = std::move(state.stars);
   result.errors = std::move(state.errors);
   return result;

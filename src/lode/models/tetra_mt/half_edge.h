@@ -20,6 +20,7 @@ struct HalfEdgeCollapses {
   std::vector<Collapse> collapses;     ///< In an order that can be done again.
   std::vector<CollapseFacts> facts;    ///< By collapse and field.
   bool has_errors_everywhere = false;  ///< make_errors_hold_everywhere() has been there.
+  bool has_world_errors = false;       ///< The rules'.
   std::vector<CollapseStars> stars;    ///< Of the collapses, in pieces.
   std::vector<Tetrahedron> base;       ///< Of the mesh's vertices.
   /// By tetrahedron of the base: the vertex whose collapse made it, or kNone.

@@ -84,6 +84,7 @@ void HierarchyMaker::number_vertices() {
   result_.patches = mesh_.patches;
   result_.boundary_deviation = collapses_.boundary_deviation;
   result_.has_errors_everywhere = collapses_.has_errors_everywhere;
+  result_.has_world_errors = collapses_.has_world_errors;
   for (const MeshField& field : mesh_.fields) {
     MeshField& to = result_.fields.emplace_back(
         MeshField{.name = field.name, .type = field.type, .n_components = 1, .values = {}});
@@ -121,6 +122,8 @@ void HierarchyMaker::find_facts() {
       facts.error = own.error == 0 ? 0 : rounded_up(own.error);
       facts.low = -rounded_up(reference - own.low);
       facts.high = rounded_up(own.high - reference);
+      if (collapses_.has_world_errors)
+        facts.world_error = own.world_error == 0 ? 0 : rounded_up(own.world_error);
     }
   for (const std::uint32_t node : nodes_) {
     const std::uint32_t parent = result_.discoverers[node];
@@ -129,6 +132,7 @@ void HierarchyMaker::find_facts() {
       StoredFacts& to = result_.facts[parent * n_fields + f];
       const StoredFacts& from = result_.facts[node * n_fields + f];
       to.error = std::max(to.error, from.error);
+      to.world_error = std::max(to.world_error, from.world_error);
       to.low = std::min(to.low, from.low);
       to.high = std::max(to.high, from.high);
     }

@@ -34,6 +34,7 @@ struct Hierarchy {
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
   double boundary_deviation = 0;           ///< HalfEdgeCollapses': of the base, and so of any cut.
   bool has_errors_everywhere = false;      ///< Likewise: facts' errors hold at all points.
+  bool has_world_errors = false;           ///< Likewise: else facts' are infinite.
   std::vector<std::int64_t> region_ids;    ///< The mesh's.
   std::vector<std::string> region_names;   ///< TetraMesh's.
   std::vector<BoundaryPatch> patches;      ///< Likewise.

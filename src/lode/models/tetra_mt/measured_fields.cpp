@@ -8,6 +8,7 @@
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/mesh_check.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/models/tetra_mt/value_distance.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
 
@@ -90,6 +91,7 @@ class FieldMeasurer {
         mesh_vertices_(mesh_vertices),
         mesh_(mesh),
         n_(static_cast<std::uint32_t>(mesh.positions.size())),
+        has_world_errors_(hierarchy.head().fields[0].base_world_error.has_value()),
         live_(n_, n_, mesh.tetrahedra),
         first_sample_(mesh.tetrahedra.size(), kNone),
         next_sample_(n_, kNone),
@@ -107,6 +109,7 @@ class FieldMeasurer {
     double error = 0;
     double low = std::numeric_limits<double>::infinity();
     double high = -std::numeric_limits<double>::infinity();
+    double world_error = 0;
 
     void widen(double value) {
       low = std::min(low, value);
@@ -117,11 +120,13 @@ class FieldMeasurer {
   void assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept);
   [[nodiscard]] double error_of(const Covering& covering, std::uint32_t sample, std::uint32_t kept,
                                 std::size_t field) const;
+  [[nodiscard]] double world_error_of(std::uint32_t sample, std::size_t field) const;
 
   const PackedHierarchy& hierarchy_;
   std::span<const std::uint32_t> mesh_vertices_;
   const TetraMesh& mesh_;
   std::uint32_t n_;
+  bool has_world_errors_;
   LiveTetrahedra live_;
   std::vector<std::uint32_t> first_sample_;  ///< By slot,
   std::vector<std::uint32_t> next_sample_;   ///< and by vertex that has gone.
@@ -148,6 +153,26 @@ double FieldMeasurer::error_of(const Covering& covering, std::uint32_t sample, s
   return error == 0 ? 0 : error + size * covering.rounding;
 }
 
+/// As distance_in_fan() says it of what a collapse makes.
+double FieldMeasurer::world_error_of(std::uint32_t sample, std::size_t field) const {
+  const std::vector<double>& of = mesh_.fields[field].values;
+  const Vec3d& p = mesh_.positions[sample];
+  double least = std::numeric_limits<double>::infinity();
+  double farthest = 0;
+  for (const std::uint32_t slot : made_) {
+    std::array<Vec3d, 4> corners;
+    std::array<double, 4> values{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint32_t v = live_.corners(slot)[k];
+      corners[k] = mesh_.positions[v];
+      values[k] = of[v];
+      farthest = std::max(farthest, length(corners[k] - p));
+    }
+    least = std::min(least, distance_to_value(corners, values, of[sample], p));
+  }
+  return std::min(least, farthest);
+}
+
 void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept) {
   constexpr double kInside = 1e-12;
   Covering best;
@@ -166,7 +191,10 @@ void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32
   first_sample_[best.slot] = sample;
   for (std::size_t f = 0; f < facts_.size(); ++f) {
     Facts& facts = facts_[f][node];
-    facts.error = std::max(facts.error, error_of(best, sample, kept, f));
+    const double error = error_of(best, sample, kept, f);
+    facts.error = std::max(facts.error, error);
+    if (has_world_errors_ && error != 0)
+      facts.world_error = std::max(facts.world_error, world_error_of(sample, f));
     facts.widen(mesh_.fields[f].values[sample]);
   }
 }
@@ -195,6 +223,7 @@ void FieldMeasurer::nest(std::uint32_t node) {
     const std::uint32_t child = links.next_node();
     for (std::vector<Facts>& of : facts_) {
       of[node].error = std::max(of[node].error, of[child].error);
+      of[node].world_error = std::max(of[node].world_error, of[child].world_error);
       of[node].widen(of[child].low);
       of[node].widen(of[child].high);
     }
@@ -208,12 +237,20 @@ std::vector<NumberedField> FieldMeasurer::take_fields() {
   std::vector<NumberedField> fields;
   for (std::size_t f = 0; f < facts_.size(); ++f) {
     const MeshField& from = mesh_.fields[f];
-    NumberedField& field = fields.emplace_back(
-        NumberedField{.name = from.name, .type = from.type, .values = {}, .facts = {}});
+    NumberedField& field =
+        fields.emplace_back(NumberedField{.name = from.name,
+                                          .type = from.type,
+                                          .values = {},
+                                          .facts = {},
+                                          .has_world_errors = has_world_errors_});
     for (const std::uint32_t v : mesh_vertices_) field.values.push_back(from.values[v]);
     field.range_reference = from.values.empty() ? 0 : std::ranges::min(from.values);
     for (const Facts& facts : facts_[f])
       field.facts.push_back({.error = facts.error == 0 ? 0 : rounded_up(facts.error),
+                             .world_error = !has_world_errors_ ? StoredFacts{}.world_error
+                                            : facts.world_error == 0
+                                                ? 0
+                                                : rounded_up(facts.world_error),
                              .low = -rounded_up(field.range_reference - facts.low),
                              .high = rounded_up(facts.high - field.range_reference)});
   }

@@ -20,8 +20,9 @@ namespace lode::tetra_mt {
 
 /// The fields of a mesh for a hierarchy that was built of it with others, in one pass over its
 /// nodes: all collapses again, each vertex that goes a sample of the tetrahedron that covers it.
-/// Errors hold at samples. Expects what check_same_mesh() does not fail on. Fails where pages
-/// cannot be loaded, a value is not finite, or when cancelled.
+/// Errors hold at samples; world errors are found where the hierarchy's first field has them.
+/// Expects what check_same_mesh() does not fail on. Fails where pages cannot be loaded, a value is
+/// not finite, or when cancelled.
 [[nodiscard]] Result<std::vector<NumberedField>> measure_fields(
     const PackedHierarchy& hierarchy, std::span<const std::uint32_t> mesh_vertices,
     const TetraMesh& mesh, Progress& progress);

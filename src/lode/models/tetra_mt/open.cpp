@@ -97,8 +97,10 @@ class PageSource {
   [[nodiscard]] Result<void> check() const {
     for (std::uint32_t page = 0; page < shape_.n_pages(); ++page) {
       LODE_CHECK(expect(key_of(Kind::links, page)));
-      for (std::uint32_t f = 0; f < fields_.size(); ++f)
+      for (std::uint32_t f = 0; f < fields_.size(); ++f) {
         LODE_CHECK(expect(key_of(Kind::field, page, f)));
+        if (fields_[f].base_world_error) LODE_CHECK(expect(key_of(Kind::world_errors, page, f)));
+      }
     }
     return {};
   }
@@ -114,6 +116,14 @@ class PageSource {
     const auto key = key_of(Kind::field, page, static_cast<std::uint32_t>(number));
     LODE_TRY(const auto bytes, read_block(*reader_, key));
     return decode_field(bytes, name_of(key), scale, tree, fields_[number].has_narrow_values);
+  }
+  [[nodiscard]] Result<WorldPage> world_errors(std::size_t field, std::uint32_t page) const {
+    const auto key = key_of(Kind::world_errors, page, static_cast<std::uint32_t>(field));
+    LODE_TRY(const auto bytes, read_block(*reader_, key));
+    StreamReader in(bytes, name_of(key));
+    LODE_TRY(auto codes, in.read(vertices_of(shape_, page).n));
+    LODE_CHECK(in.expect_end());
+    return codes;
   }
   [[nodiscard]] Result<FieldBase> base(std::size_t number) const {
     FieldBase base;
@@ -210,7 +220,10 @@ Result<OpenedHierarchy> open(const std::string& path) {
       [source](std::uint32_t page) { return source->links(page); },
       [source](std::size_t field) { return source->base(field); },
       [source](std::size_t field, std::uint32_t page, const PageTree& tree,
-               const ValueScale& scale) { return source->field(field, page, tree, scale); }};
+               const ValueScale& scale) { return source->field(field, page, tree, scale); },
+      [source](std::size_t field, std::uint32_t page) {
+        return source->world_errors(field, page);
+      }};
   return OpenedHierarchy{
       PackedHierarchy(std::move(head), std::move(load)),
       [source](std::size_t field, std::uint32_t page) { return source->gradients(field, page); },

@@ -1,6 +1,7 @@
 #include "lode/models/tetra_mt/packed_hierarchy.h"
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <type_traits>
@@ -120,7 +121,8 @@ NumberedField field_of(const Hierarchy& hierarchy, std::size_t field) {
                      .values = from.values,
                      .facts = {},
                      .range_reference = hierarchy.range_references[field],
-                     .has_errors_everywhere = hierarchy.has_errors_everywhere};
+                     .has_errors_everywhere = hierarchy.has_errors_everywhere,
+                     .has_world_errors = hierarchy.has_world_errors};
   made.facts.reserve(hierarchy.n_nodes());
   for (std::size_t node = 0; node < hierarchy.n_nodes(); ++node)
     made.facts.push_back(hierarchy.facts[node * hierarchy.fields.size() + field]);
@@ -137,9 +139,13 @@ HierarchyHead::Field head_of(const NumberedField& field,
     head.low = low;
     head.high = high;
   }
+  float world_error = 0;
   for (const std::uint32_t maker : base_makers)
-    if (maker != kNone)
+    if (maker != kNone) {
       head.base_error = std::max(head.base_error, static_cast<double>(field.facts[maker].error));
+      world_error = std::max(world_error, field.facts[maker].world_error);
+    }
+  if (field.has_world_errors) head.base_world_error = static_cast<double>(world_error);
   return head;
 }
 
@@ -160,12 +166,23 @@ FieldContent content_of(const NumberedField& field, const ValueScale& scale, con
   return content;
 }
 
+WorldPage world_page_of(const NumberedField& field, const WorldCodes& codes, const PageShape& shape,
+                        std::uint32_t number) {
+  const VertexRange range = vertices_of(shape, number);
+  WorldPage page;
+  for (std::uint32_t v = range.first; v - range.first < range.n; ++v)
+    page.push_back(codes.code(field.facts[v - shape.n_base_vertices].world_error));
+  return page;
+}
+
 struct PackedHierarchy::FieldPages {
-  FieldPages(std::size_t field, std::size_t n_pages) : number(field), pages(n_pages) {}
+  FieldPages(std::size_t field, std::size_t n_pages, bool has_world_errors)
+      : number(field), pages(n_pages), worlds(has_world_errors ? n_pages : 0) {}
 
   std::size_t number;
   OnceSlots<FieldBase> base{1};
   OnceSlots<FieldPage> pages;
+  OnceSlots<WorldPage> worlds;             ///< None where the field has no world errors.
   std::unique_ptr<const FieldPage> empty;  ///< Instead of what cannot be loaded;
   FieldBase empty_base;                    ///< likewise.
 };
@@ -194,10 +211,12 @@ struct PackedHierarchy::Pages {
 PackedHierarchy::PackedHierarchy(HierarchyHead head, Load load)
     : head_(std::make_unique<const HierarchyHead>(std::move(head))),
       box_codes_(head_->lower, head_->upper),
+      world_codes_(head_->lower, head_->upper),
       pages_(std::make_unique<Pages>(head_->shape.n_pages())) {
   pages_->load = std::move(load);
   for (std::size_t f = 0; f < head_->fields.size(); ++f)
-    pages_->fields.push_back(std::make_unique<FieldPages>(f, head_->shape.n_pages()));
+    pages_->fields.push_back(std::make_unique<FieldPages>(
+        f, head_->shape.n_pages(), head_->fields[f].base_world_error.has_value()));
 }
 PackedHierarchy::PackedHierarchy(PackedHierarchy&&) noexcept = default;
 PackedHierarchy& PackedHierarchy::operator=(PackedHierarchy&&) noexcept = default;
@@ -218,6 +237,10 @@ PackedHierarchy PackedHierarchy::pack(const Hierarchy& hierarchy, std::uint64_t 
     parallel_for(shape.n_pages(), threads, 1, [&](std::size_t i, int) {
       const auto content = content_of(field, base.scale, shape, static_cast<std::uint32_t>(i));
       pages->pages.put(i, FieldPage(content, is_narrow_field));
+    });
+    parallel_for(pages->worlds.size(), threads, 1, [&](std::size_t i, int) {
+      const auto page = static_cast<std::uint32_t>(i);
+      pages->worlds.put(i, world_page_of(field, packed.world_codes_, shape, page));
     });
   }
   return packed;
@@ -278,6 +301,16 @@ const FieldPage& PackedHierarchy::load(std::uint32_t number, std::size_t field) 
   return *pages.empty;
 }
 
+/// Of a page that cannot be loaded nothing is known.
+const WorldPage& PackedHierarchy::load_world(std::uint32_t number, std::size_t field) const {
+  static const WorldPage unknown(kPageNodes, WorldCodes::kInfinite);
+  const std::lock_guard lock(pages_->mutex);
+  OnceSlots<WorldPage>& worlds = pages_->fields[field]->worlds;
+  if (const WorldPage* const page = worlds.at(number)) return *page;
+  auto page = pages_->try_load([&] { return pages_->load.world_errors(field, number); });
+  return page ? worlds.put(number, std::move(*page)) : unknown;
+}
+
 const FieldBase& PackedHierarchy::load_base(std::size_t field) const {
   const std::lock_guard lock(pages_->mutex);
   FieldPages& pages = *pages_->fields[field];
@@ -312,6 +345,15 @@ StoredFacts PackedHierarchy::facts(std::uint32_t node, std::size_t field) const 
   return to_facts(page_of(node, pages).facts(node % kPageNodes), base_of(pages).scale);
 }
 
+float PackedHierarchy::world_error(std::uint32_t node, std::size_t field) const {
+  const OnceSlots<WorldPage>& worlds = pages_->fields[field]->worlds;
+  if (worlds.size() == 0) return std::numeric_limits<float>::infinity();
+  const std::uint32_t number = node / kPageNodes;
+  const WorldPage* page = worlds.at(number);
+  if (page == nullptr) page = &load_world(number, field);
+  return world_codes_.error((*page)[node % kPageNodes]);
+}
+
 bool PackedHierarchy::has_facts(std::uint32_t node, std::size_t field) const {
   return pages_->fields[field]->pages.at(node / kPageNodes) != nullptr;
 }
@@ -333,7 +375,12 @@ std::size_t PackedHierarchy::n_page_bytes() const {
       if (const auto* const page = slots.at(i)) n += page->n_bytes() + sizeof(void*);
   };
   add(pages_->nodes);
-  for (const auto& field : pages_->fields) add(field->pages);
+  for (const auto& field : pages_->fields) {
+    add(field->pages);
+    for (std::size_t i = 0; i < field->worlds.size(); ++i)
+      if (const WorldPage* const page = field->worlds.at(i))
+        n += sizeof *page + page->size() + sizeof(void*);
+  }
   return n;
 }
 

@@ -16,6 +16,7 @@
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/node_page.h"
 #include "lode/models/tetra_mt/page_tree.h"
+#include "lode/models/tetra_mt/world_codes.h"
 
 namespace lode::tetra_mt {
 
@@ -30,6 +31,8 @@ struct HierarchyHead {
     bool has_errors_everywhere = false;  ///< Else they hold at samples.
     double base_error = 0;               ///< Largest |F - F'| on the base, rounded up.
     std::optional<double> time{};
+    /// Of the base likewise; none where nodes have none.
+    std::optional<double> base_world_error{};
   };
 
   PageShape shape;
@@ -76,6 +79,7 @@ class PackedHierarchy {
     std::function<Result<FieldContent>(std::size_t field, std::uint32_t page, const PageTree& tree,
                                        const ValueScale& scale)>
         field;
+    std::function<Result<WorldPage>(std::size_t field, std::uint32_t page)> world_errors;
   };
 
   /// All of it, in memory. `n_cells`: of the reference mesh.
@@ -91,6 +95,8 @@ class PackedHierarchy {
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const;
   [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const;
   [[nodiscard]] StoredFacts facts(std::uint32_t node, std::size_t field) const;
+  /// Infinite where the field has none.
+  [[nodiscard]] float world_error(std::uint32_t node, std::size_t field) const;
   /// Whether they are in memory.
   [[nodiscard]] bool has_facts(std::uint32_t node, std::size_t field) const;
   /// A box that holds all it discovers.
@@ -125,9 +131,11 @@ class PackedHierarchy {
   const NodePage& load(std::uint32_t number) const;
   const FieldPage& load(std::uint32_t number, std::size_t field) const;
   const FieldBase& load_base(std::size_t field) const;
+  const WorldPage& load_world(std::uint32_t number, std::size_t field) const;
 
   std::unique_ptr<const HierarchyHead> head_;
   BoxCodes box_codes_;
+  WorldCodes world_codes_;
   std::unique_ptr<Pages> pages_;
 };
 
@@ -146,12 +154,15 @@ struct NumberedField {
   std::vector<StoredFacts> facts;      ///< By node: nested along discovery;
   double range_reference = 0;          ///< what their ranges are above,
   bool has_errors_everywhere = false;  ///< and whether their errors hold at all points.
+  bool has_world_errors = false;       ///< Else facts' are infinite.
 };
 
 [[nodiscard]] NumberedField field_of(const Hierarchy& hierarchy, std::size_t field);
 [[nodiscard]] HierarchyHead::Field head_of(const NumberedField& field,
                                            std::span<const std::uint32_t> base_makers);
 [[nodiscard]] FieldBase base_of(const NumberedField& field, const PageShape& shape);
+[[nodiscard]] WorldPage world_page_of(const NumberedField& field, const WorldCodes& codes,
+                                      const PageShape& shape, std::uint32_t number);
 /// What a page has for it. `scale`: base_of()'s.
 [[nodiscard]] FieldContent content_of(const NumberedField& field, const ValueScale& scale,
                                       const PageShape& shape, std::uint32_t number);

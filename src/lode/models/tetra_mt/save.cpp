@@ -116,6 +116,15 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
   });
   for (std::uint32_t page = 0; page < blocks.size(); ++page)
     LODE_CHECK(writer.append(key_of(Kind::field, page, number), blocks[page]));
+  if (field.has_world_errors) {
+    const WorldCodes codes(head.lower, head.upper);
+    for (std::uint32_t page = 0; page < shape.n_pages(); ++page) {
+      StreamWriter out;
+      out.add(world_page_of(field, codes, shape, page));
+      LODE_CHECK(
+          writer.append(key_of(Kind::world_errors, page, number), as_block(std::move(out).take())));
+    }
+  }
   return append_vertex_pages(
       shape, Kind::gradients, number,
       [&](const VertexRange& range, StreamWriter& out) {

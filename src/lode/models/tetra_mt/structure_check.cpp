@@ -103,7 +103,8 @@ StructureFinding check_nesting(const PackedHierarchy& hierarchy, const NodeLinks
         const StoredFacts outer = hierarchy.facts(node, f);
         const StoredFacts inner = hierarchy.facts(child, f);
         is_nested = is_nested && inner.error <= outer.error && outer.low <= inner.low &&
-                    inner.high <= outer.high;
+                    inner.high <= outer.high &&
+                    hierarchy.world_error(child, f) <= hierarchy.world_error(node, f);
       }
       finding.add(is_nested,
                   fmt::format("node {}: holds less than node {}, which it discovers", node, child));

@@ -16,9 +16,10 @@ std::size_t n_slots_expected(const HierarchyHead& head) {
 
 }  // namespace
 
-TetraCut::TetraCut(const PackedHierarchy& hierarchy, std::size_t field)
+TetraCut::TetraCut(const PackedHierarchy& hierarchy, std::size_t field, WorldErrors world_errors)
     : hierarchy_(&hierarchy),
       field_(field),
+      world_errors_(world_errors),
       outside_(hierarchy.head().outside()),
       slot_of_(hierarchy.head().shape.n_nodes + std::size_t{1}, kNone) {
   const HierarchyHead& head = hierarchy.head();

@@ -14,7 +14,8 @@
 namespace lode::tetra_mt {
 
 /// A hierarchy opened for refinement (RefinableModel): the mesh of the nodes applied so far, at
-/// first none. The hierarchy must outlive it. `field`: whose facts nodes have.
+/// first none. The hierarchy must outlive it. `field`: whose facts nodes have, and world errors
+/// where these are known.
 class TetraCut {
  public:
   struct Cell {
@@ -25,13 +26,17 @@ class TetraCut {
   };
   static_assert(sizeof(Cell) == 32, "half a line of the cache");
 
-  explicit TetraCut(const PackedHierarchy& hierarchy, std::size_t field = 0);
+  explicit TetraCut(const PackedHierarchy& hierarchy, std::size_t field = 0,
+                    WorldErrors world_errors = WorldErrors::unknown);
 
   void add_base(std::vector<NodeId>& out) const;
   void add_children(NodeId node, std::vector<NodeId>& out) const;
   void add_parents(NodeId node, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId node) const {
-    return hierarchy_->facts(index(node), field_);
+    StoredFacts facts = hierarchy_->facts(index(node), field_);
+    if (world_errors_ == WorldErrors::known)
+      facts.world_error = hierarchy_->world_error(index(node), field_);
+    return facts;
   }
   [[nodiscard]] Bounds bounds(NodeId node) const { return hierarchy_->bounds(index(node)); }
   [[nodiscard]] std::uint64_t region_mask(NodeId node) const {
@@ -137,6 +142,7 @@ class TetraCut {
 
   const PackedHierarchy* hierarchy_;
   std::size_t field_;
+  WorldErrors world_errors_;
   std::uint32_t outside_;
   UninitializedArray<Cell> cells_;
   UninitializedArray<std::uint32_t> makers_;   ///< By slot: what walks ask of all they come to.

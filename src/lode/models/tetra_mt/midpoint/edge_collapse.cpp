@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lode/core/expects.h"
+#include "lode/models/tetra_mt/fan_distance.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -171,6 +172,27 @@ void EdgeCollapser::move_samples() {
 void EdgeCollapser::note_facts() {
   for (std::size_t f = 0; f < state_.n_fields; ++f) note_facts(f);
 }
+/// Of the samples, in the mesh's unit.
+double EdgeCollapser::world_error_of(std::size_t field) const {
+  const std::size_t n = state_.n_fields;
+  std::array<double, Star::kMaxLink> values{};
+  for (int i = 0; i < edge_.n_link; ++i)
+    if (i != edge_.outside) {
+      const auto at = static_cast<std::size_t>(i);
+      values[at] = values_[edge_.link[at] * n + field];
+    }
+  const ValuedFan fan{edge_, fan_, link_, at_, values, value_[field].value};
+  double largest = 0;
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    if (new_errors_[s * n + field] == 0) continue;
+    const std::uint32_t sample = covered_.samples[s];
+    const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
+    const double own = state_.sample(sample, field);
+    largest = std::max(largest, distance_in_fan(fan, covers_[s].lane, own, p));
+  }
+  return largest / scale_;
+}
+
 void EdgeCollapser::note_facts(std::size_t field) {
   const std::size_t n = state_.n_fields;
   const double own = values_[star_.vertex * n + field];
@@ -186,6 +208,7 @@ void EdgeCollapser::note_facts(std::size_t field) {
   }
   for (int i = 0; i < edge_.n_link; ++i)
     if (i != edge_.outside) widen(values_[edge_.link[static_cast<std::size_t>(i)] * n + field]);
+  if (state_.has_world_errors) facts.world_error = world_error_of(field);
   facts_.push_back(facts);
 }
 

@@ -151,6 +151,7 @@ class EdgeCollapser {
   void move_samples();
   void note_facts();
   void note_facts(std::size_t field);
+  [[nodiscard]] double world_error_of(std::size_t field) const;
   void make_vertex(std::uint32_t other);
 
   State& state_;

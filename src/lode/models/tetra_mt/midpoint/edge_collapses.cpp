@@ -172,6 +172,7 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
   if (!(tolerance >= 0 && std::isfinite(tolerance)))
     return fail("boundary tolerance: expected a distance of at least 0, got {}", tolerance);
   State state(mesh, options.order, tolerance);
+  state.has_world_errors = options.has_world_errors;
   LODE_CHECK(state.close(options.threads));
   const double volume = state.volume();
   LODE_CHECK(Rounds(options, state).run(progress));
@@ -183,6 +184,7 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
       result.boundary_deviation = std::max(result.boundary_deviation, state.deviations[slot]);
   result.volume_change = state.volume() - volume;
   result.boundary_tolerance = tolerance;
+  result.has_world_errors = options.has_world_errors;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);
   result.errors = std::move(state.errors);

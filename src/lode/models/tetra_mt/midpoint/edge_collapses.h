@@ -18,6 +18,7 @@ struct EdgeCollapseOptions {
   /// it, in the mesh's unit: what collapses do is added up. 0: all stays in its planes, but for
   /// rounding. Lines in which sheets meet, and outlines of patches, always stay straight.
   double boundary_tolerance = 0;
+  bool has_world_errors = false;  ///< EdgeFacts' are found.
   Threads threads = {};
 };
 
@@ -30,7 +31,8 @@ struct EdgeCollapses {
   std::vector<float> errors;
   double boundary_deviation = 0;  ///< As HalfEdgeCollapses'.
   double volume_change = 0;       ///< The base's volume less the reference's.
-  double boundary_tolerance = 0;  ///< The options'.
+  double boundary_tolerance = 0;  ///< The options',
+  bool has_world_errors = false;  ///< likewise.
   RefusalCounts refusals;         ///< Of the base's vertices.
 };
 

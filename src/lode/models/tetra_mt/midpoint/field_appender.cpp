@@ -26,9 +26,10 @@ Result<void> FieldAppender::append(FieldRecords field, Threads threads, Progress
   // So that all are there.
   for (std::uint32_t page = 0; page < head_.pages.n_pages(); ++page)
     if (forest_->page(page) == nullptr) return forest_->check();
-  return append_field(
+  LODE_CHECK(append_field(
       head_, number, field.records, [this](std::uint32_t page) { return *forest_->page(page); },
-      threads, writer_, progress);
+      threads, writer_, progress));
+  return append_world_errors(head_, number, field.world_codes, writer_);
 }
 
 Result<std::uint64_t> FieldAppender::finish(const Progress& progress) {

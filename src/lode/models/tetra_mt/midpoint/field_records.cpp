@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace lode::tetra_mt::midpoint {
 namespace {
+
+float world_above(double x) {
+  return x == 0 ? 0 : std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
 
 class FieldMaker {
  public:
@@ -29,6 +34,7 @@ class FieldMaker {
     take_leaves();
     take_nodes();
     take_roots();
+    if (trees_.world_codes) take_world_errors(*trees_.world_codes);
     return std::move(made_);
   }
 
@@ -74,6 +80,20 @@ class FieldMaker {
       made_.records.roots.facts.push_back(
           is_leaf(root) ? 0 : made_.records.nodes[root - n_leaves_].facts());
     }
+  }
+
+  void take_world_errors(const WorldCodes& codes) {
+    const auto known = [&](std::uint32_t label) {
+      return is_leaf(label) ? std::uint8_t{0} : made_.world_codes[label - n_leaves_];
+    };
+    for (std::uint32_t node = 0; node < facts_.size(); ++node) {
+      const auto [first, second] = trees_.children[node];
+      const std::uint8_t own = codes.code(world_above(facts_[node].world_error));
+      made_.world_codes.push_back(std::max({own, known(first), known(second)}));
+    }
+    std::uint8_t largest = 0;
+    for (const std::uint32_t root : trees_.roots) largest = std::max(largest, known(root));
+    made_.head.base_world_error = static_cast<double>(codes.error(largest));
   }
 
   const FieldTrees& trees_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "lode/core/tetra_mesh.h"
@@ -15,12 +16,14 @@ struct FieldTrees {
   std::span<const Children> children;            ///< By node.
   std::span<const std::uint32_t> roots;          ///< ForestHead's,
   std::uint32_t n_base_leaves = 0;               ///< likewise.
+  std::optional<WorldCodes> world_codes{};       ///< Of the mesh, where collapses have such errors.
 };
 
 /// What a hierarchy has of a field.
 struct FieldRecords {
   ForestField head;
   FurtherField records;
+  WorldPage world_codes{};  ///< By node of all; empty where there are none.
 };
 
 /// From values at the vertices of the mesh, bit for bit, and what is known of collapses: `facts` by

@@ -71,6 +71,7 @@ Result<ForestField> read_field(store::ByteReader& in, const std::string& path) {
                 field.low, field.high);
   LODE_TRY(field.scale, read_scale(in, path));
   LODE_TRY(field.codes, read_codes(in, path, field));
+  LODE_TRY(field.base_world_error, read_world_error(in, path, field.name));
   return field;
 }
 
@@ -99,6 +100,7 @@ void write_field(const ForestField& field, store::ByteWriter& out) {
   write_scale(field.scale, out);
   out.write(field.codes.largest_error());
   for (const double knot : field.codes.knots()) out.write(knot);
+  write_world_error(field.base_world_error, out);
 }
 
 Result<void> check_counts(const ForestHead& head, const ForestCounts& counts,

@@ -24,10 +24,11 @@ enum class Kind : std::uint32_t {
   field_roots = 5,
   field_page = 6,
   coincident_leaves = 7,
+  world_errors = 8,
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 3;
+inline constexpr std::uint32_t kLayout = 4;
 
 /// Pages of which a block of the table tells.
 inline constexpr std::uint32_t kTablePart = 1U << 12;
@@ -54,6 +55,10 @@ struct ForestCounts {
 
 /// Of a page of nodes; called by many threads at once.
 using NodesOf = std::function<ForestPage(std::uint32_t page)>;
+
+/// Writes the blocks of a field's world errors, where it has some. `codes`: by node of all.
+[[nodiscard]] Result<void> append_world_errors(const ForestHead& head, std::size_t field,
+                                               const WorldPage& codes, store::Writer& writer);
 
 /// Writes the blocks of a field but the first, whose place in the head that is.
 [[nodiscard]] Result<void> append_field(const ForestHead& head, std::size_t field,

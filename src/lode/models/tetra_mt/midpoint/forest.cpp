@@ -32,9 +32,7 @@ struct Forest::FieldPages {
 };
 
 struct Forest::Pages {
-  Pages(std::size_t n, std::size_t n_further) : slots(n) {
-    for (std::size_t f = 0; f < n_further; ++f) further.push_back(std::make_unique<FieldPages>(n));
-  }
+  explicit Pages(std::size_t n) : slots(n) {}
   /// Puts what `load` returns in a slot, unless it is there; none where it cannot be loaded.
   template <typename T, typename LoadOne>
   const T* put(OnceSlots<T>& to, std::size_t at, const LoadOne& load_one) {
@@ -49,12 +47,14 @@ struct Forest::Pages {
 
   Load load;
   OnceSlots<ForestPage> slots;
-  std::vector<std::unique_ptr<FieldPages>> further;  ///< By field but the first.
-  std::mutex mutex;                                  ///< For what follows, and loading.
+  std::vector<std::unique_ptr<FieldPages>> further;           ///< By field but the first.
+  std::vector<std::unique_ptr<OnceSlots<WorldPage>>> worlds;  ///< By field.
+  std::mutex mutex;                                           ///< For what follows, and loading.
   std::optional<Error> failure;
 };
 
-Forest::Forest(Hierarchy hierarchy) : pages_(std::make_unique<Pages>(0, 0)) {
+Forest::Forest(Hierarchy hierarchy)
+    : world_codes_(hierarchy.box.lower, hierarchy.box.upper), pages_(std::make_unique<Pages>(0)) {
   hierarchy.pages = {};
   hierarchy.page_counts = {};
   hierarchy.page_levels = {};
@@ -65,8 +65,14 @@ Forest::Forest(Hierarchy hierarchy) : pages_(std::make_unique<Pages>(0, 0)) {
 Forest::Forest(ForestHead head, Load load)
     : paged_(std::make_unique<const ForestHead>(std::move(head))),
       head_(paged_.get()),
-      pages_(std::make_unique<Pages>(head_->pages.n_pages(), head_->fields.size() - 1)) {
+      world_codes_(head_->box.lower, head_->box.upper),
+      pages_(std::make_unique<Pages>(head_->pages.n_pages())) {
   pages_->load = std::move(load);
+  const std::size_t n = head_->pages.n_pages();
+  for (std::size_t f = 0; f < head_->fields.size(); ++f) {
+    if (f > 0) pages_->further.push_back(std::make_unique<FieldPages>(n));
+    pages_->worlds.push_back(std::make_unique<OnceSlots<WorldPage>>(n));
+  }
 }
 Forest::Forest(Forest&&) noexcept = default;
 Forest& Forest::operator=(Forest&&) noexcept = default;
@@ -154,6 +160,18 @@ std::uint32_t Forest::facts(std::uint32_t node, std::size_t field) const {
   }
   const Split parted = split(above - head_->n_vertices, field);
   return parted.child_facts[parted.children.first == label ? 0 : 1];
+}
+
+float Forest::world_error(std::uint32_t node, std::size_t field) const {
+  if (!head_->fields[field].base_world_error) return world_codes_.error(WorldCodes::kInfinite);
+  if (whole_) return world_codes_.error(whole_->world_codes[field][node]);
+  const PageTable::Location at = head_->pages.locate(node);
+  OnceSlots<WorldPage>& slots = *pages_->worlds[field];
+  const WorldPage* there = slots.at(at.page);
+  if (there == nullptr)
+    there = pages_->put(slots, at.page,
+                        [&] { return pages_->load.world_errors(*head_, field, at.page); });
+  return world_codes_.error(there != nullptr ? (*there)[at.place] : WorldCodes::kInfinite);
 }
 
 Code Forest::root_code(std::size_t place, std::size_t field) const {

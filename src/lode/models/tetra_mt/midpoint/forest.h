@@ -33,6 +33,8 @@ class Forest {
     std::function<Result<FieldPage>(const ForestHead& head, std::size_t field, std::uint32_t page,
                                     const ForestPage& nodes)>
         field;
+    std::function<Result<WorldPage>(const ForestHead& head, std::size_t field, std::uint32_t page)>
+        world_errors;
   };
 
   /// All of it, in memory, but for what only files need.
@@ -51,6 +53,8 @@ class Forest {
   [[nodiscard]] std::uint32_t parent(std::uint32_t node) const;
   /// A word of NodeCodes, of a node: it is in its parent's page, or the base's.
   [[nodiscard]] std::uint32_t facts(std::uint32_t node, std::size_t field = 0) const;
+  /// Of a node; infinite where the field has none, or they cannot be loaded.
+  [[nodiscard]] float world_error(std::uint32_t node, std::size_t field) const;
   /// Of a place in the head's roots.
   [[nodiscard]] Code root_code(std::size_t place, std::size_t field = 0) const;
   [[nodiscard]] std::uint32_t root_word(std::size_t place, std::size_t field = 0) const;
@@ -85,6 +89,7 @@ class Forest {
   std::unique_ptr<const Hierarchy> whole_;   ///< None of a file's.
   std::unique_ptr<const ForestHead> paged_;  ///< This is, then.
   const ForestHead* head_;
+  WorldCodes world_codes_;
   std::unique_ptr<Pages> pages_;
 };
 

@@ -19,6 +19,7 @@
 #include "lode/models/tetra_mt/midpoint/edge_collapses.h"
 #include "lode/models/tetra_mt/midpoint/node_codes.h"
 #include "lode/models/tetra_mt/midpoint/page_table.h"
+#include "lode/models/tetra_mt/world_codes.h"
 
 namespace lode::tetra_mt::midpoint {
 
@@ -123,6 +124,8 @@ struct ForestField {
   double low = 0;                ///< Of all vertices of the mesh.
   double high = 0;
   double base_error = 0;  ///< Largest |F - F'| at vertices of the mesh, on the base.
+  /// Largest world error of a root; none where nodes have none.
+  std::optional<double> base_world_error{};
   Scale scale{};
   NodeCodes codes{};
 };
@@ -199,7 +202,8 @@ struct Hierarchy : ForestHead {
   std::vector<std::uint32_t> deep;  ///< By node: the first child, the one of the larger label.
   std::vector<NodeRecord> nodes;
   ExactLeaves exact;
-  std::vector<FurtherField> further;  ///< Of field 1 on.
+  std::vector<FurtherField> further;   ///< Of field 1 on.
+  std::vector<WorldPage> world_codes;  ///< By field, and by node of all; empty where it has none.
   /// Nodes whose tetrahedra are not all of one region, and those outside of one patch, ascending,
   /// and where what base_regions says of those that they bring between both ends begins, in the
   /// order of the edges' labels.

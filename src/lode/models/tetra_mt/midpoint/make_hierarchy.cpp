@@ -348,12 +348,14 @@ std::vector<EdgeFacts> HierarchyMaker::facts_of(std::size_t field) const {
 void HierarchyMaker::take_fields() {
   std::vector<Children> children;
   for (std::uint32_t node = 0; node < n_nodes(); ++node) children.push_back(made_.children(node));
-  const FieldTrees trees{made_.mesh_vertices, children, made_.roots, made_.n_base_leaves};
+  FieldTrees trees{made_.mesh_vertices, children, made_.roots, made_.n_base_leaves};
+  if (collapses_.has_world_errors) trees.world_codes = WorldCodes(made_.box.lower, made_.box.upper);
   for (std::size_t f = 0; f < n_fields_; ++f) {
     const MeshField& field = mesh_.fields[f];
     FieldRecords records = make_field(trees, field, facts_of(f),
                                       base_error_of(collapses_.errors, f, n_fields_, field));
     made_.fields.push_back(std::move(records.head));
+    made_.world_codes.push_back(std::move(records.world_codes));
     if (f == 0)
       take_first(std::move(records.records));
     else

@@ -44,9 +44,12 @@ Result<std::vector<FieldRecords>> measure_fields(const Forest& forest,
                                                  Progress& progress) {
   const ForestHead& head = forest.head();
   LODE_TRY(const Collapses made, collapses_of(forest, mesh_vertices));
+  const RepeatRules rules{.boundary_tolerance = head.boundary_tolerance,
+                          .has_world_errors = head.fields[0].base_world_error.has_value()};
   LODE_TRY(const RepeatedCollapses repeated,
-           repeat_collapses(mesh, made.collapses, head.boundary_tolerance, threads, progress));
-  const FieldTrees trees{mesh_vertices, made.children, head.roots, head.n_base_leaves};
+           repeat_collapses(mesh, made.collapses, rules, threads, progress));
+  FieldTrees trees{mesh_vertices, made.children, head.roots, head.n_base_leaves};
+  if (rules.has_world_errors) trees.world_codes = WorldCodes(head.box.lower, head.box.upper);
   const std::size_t n_fields = mesh.fields.size();
   std::vector<FieldRecords> fields;
   for (std::size_t f = 0; f < n_fields; ++f) {

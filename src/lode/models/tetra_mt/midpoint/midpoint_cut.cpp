@@ -23,10 +23,11 @@ std::vector<std::uint32_t> count_corners(const ForestHead& head) {
 
 }  // namespace
 
-MidpointCut::MidpointCut(const Forest& forest, std::size_t field)
+MidpointCut::MidpointCut(const Forest& forest, std::size_t field, WorldErrors world_errors)
     : forest_(&forest),
       head_(&forest.head()),
       field_(field),
+      world_errors_(world_errors),
       outside_(head_->outside()),
       n_inside_(head_->n_base_cells),
       places_(head_->n_labels(), kNone),

@@ -12,8 +12,8 @@
 namespace lode::tetra_mt::midpoint {
 
 /// A hierarchy opened for refinement (RefinableModel): the mesh of the nodes applied so far, at
-/// first none. The hierarchy must outlive it. `field`: whose facts nodes have, and whose values
-/// vertices.
+/// first none. The hierarchy must outlive it. `field`: whose facts nodes have, and world errors
+/// where these are known, and whose values vertices.
 ///
 /// What must come before a node is read off the mesh. A tetrahedron was made by the collapse that
 /// made its greatest label. So a vertex whose label is the greatest of all beside it has round it
@@ -31,13 +31,17 @@ class MidpointCut {
     std::uint32_t region;  ///< As Hierarchy::base_regions says.
   };
 
-  explicit MidpointCut(const Forest& forest, std::size_t field = 0);
+  explicit MidpointCut(const Forest& forest, std::size_t field = 0,
+                       WorldErrors world_errors = WorldErrors::unknown);
 
   void add_base(std::vector<NodeId>& out) const;
   void add_children(NodeId node, std::vector<NodeId>& out) const;
   void add_parents(NodeId node, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId node) const {
-    return codes().facts(NodeCodes::parts(word_of(node)));
+    StoredFacts facts = codes().facts(NodeCodes::parts(word_of(node)));
+    if (world_errors_ == WorldErrors::known)
+      facts.world_error = forest_->world_error(index(node), field_);
+    return facts;
   }
   [[nodiscard]] Bounds bounds(NodeId node) const;
   /// Read off the mesh: a vertex has the same regions round it in all cuts, as collapses keep all
@@ -122,6 +126,7 @@ class MidpointCut {
   const Forest* forest_;
   const ForestHead* head_;
   std::size_t field_;
+  WorldErrors world_errors_;
   std::uint32_t outside_;
   bool is_damaged_ = false;
   std::uint64_t n_inside_ = 0;         ///< Cells.

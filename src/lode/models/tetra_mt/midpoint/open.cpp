@@ -150,7 +150,11 @@ Result<void> check_fields(const store::Reader& reader, const ForestHead& head) {
   };
   for (std::uint32_t first = 0; first < head.n_coincident_leaves; first += kBasePart)
     LODE_CHECK(check(key_of(Kind::coincident_leaves, first / kBasePart)));
-  for (std::size_t f = 1; f < head.fields.size(); ++f) {
+  for (std::size_t f = 0; f < head.fields.size(); ++f) {
+    for (std::uint32_t page = 0; head.fields[f].base_world_error && page < head.pages.n_pages();
+         ++page)
+      LODE_CHECK(check(key_of(Kind::world_errors, page, f)));
+    if (f == 0) continue;
     for (std::uint32_t part = 0; part < n_parts; ++part)
       LODE_CHECK(check(key_of(Kind::field_roots, part, f)));
     for (std::uint32_t page = 0; page < head.pages.n_pages(); ++page)
@@ -216,6 +220,15 @@ Result<OpenedForest> open(const std::string& path) {
     LODE_TRY(const auto bytes, read_block(*reader, key));
     return decode_field_page(bytes, reader->path() + ": " + store::describe(key), of,
                              of.fields[field], page, nodes);
+  };
+  load.world_errors = [reader](const ForestHead& of, std::size_t field,
+                               std::uint32_t page) -> Result<WorldPage> {
+    const store::BlockKey key = key_of(Kind::world_errors, page, field);
+    LODE_TRY(const auto bytes, read_block(*reader, key));
+    StreamReader in(bytes, reader->path() + ": " + store::describe(key));
+    LODE_TRY(auto codes, in.read(of.pages.n_nodes_of(page)));
+    LODE_CHECK(in.expect_end());
+    return codes;
   };
   auto coincident_leaves = [reader, n = head.n_coincident_leaves, n_vertices = head.n_vertices] {
     return read_coincident(*reader, n, n_vertices);

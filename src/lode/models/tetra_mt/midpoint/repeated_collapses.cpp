@@ -10,12 +10,13 @@ namespace lode::tetra_mt::midpoint {
 
 Result<RepeatedCollapses> repeat_collapses(const TetraMesh& mesh,
                                            std::span<const EdgeCollapse> collapses,
-                                           double boundary_tolerance, Threads threads,
+                                           const RepeatRules& rules, Threads threads,
                                            Progress& progress) {
   constexpr std::size_t kReportEvery = 4096;
   LODE_CHECK(check_mesh(mesh));
   if (mesh.fields.empty()) return fail("midpoints: expected a field, got none");
-  State state(mesh, CollapseOrder::squared_error, boundary_tolerance);
+  State state(mesh, CollapseOrder::squared_error, rules.boundary_tolerance);
+  state.has_world_errors = rules.has_world_errors;
   LODE_CHECK(state.close(threads));
   // One block of all, numbered as the mesh is.
   std::vector<std::uint32_t> vertices(state.outside);

@@ -111,6 +111,21 @@ Result<void> append_field(const ForestHead& head, std::size_t field, const Furth
       writer, progress);
 }
 
+Result<void> append_world_errors(const ForestHead& head, std::size_t field, const WorldPage& codes,
+                                 store::Writer& writer) {
+  if (codes.empty()) return {};
+  for (std::uint32_t page = 0; page < head.pages.n_pages(); ++page) {
+    WorldPage column;
+    for (std::uint32_t place = 0; place < head.pages.n_nodes_of(page); ++place)
+      column.push_back(codes[head.pages.node_at(page, place)]);
+    StreamWriter out;
+    out.add(column);
+    LODE_CHECK(
+        writer.append(key_of(Kind::world_errors, page, field), as_block(std::move(out).take())));
+  }
+  return {};
+}
+
 Result<std::uint64_t> save(const Hierarchy& hierarchy, const std::string& path, Threads threads,
                            Progress& progress) {
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
@@ -122,9 +137,12 @@ Result<std::uint64_t> save(const Hierarchy& hierarchy, const std::string& path, 
   const auto nodes_of = [&](std::uint32_t page) {
     return ForestPage(content_of(hierarchy, page), hierarchy.pages, page, hierarchy.n_vertices);
   };
-  for (std::size_t f = 1; f < hierarchy.fields.size(); ++f)
-    LODE_CHECK(
-        append_field(hierarchy, f, hierarchy.further[f - 1], nodes_of, threads, writer, progress));
+  for (std::size_t f = 0; f < hierarchy.fields.size(); ++f) {
+    if (f > 0)
+      LODE_CHECK(append_field(hierarchy, f, hierarchy.further[f - 1], nodes_of, threads, writer,
+                              progress));
+    LODE_CHECK(append_world_errors(hierarchy, f, hierarchy.world_codes[f], writer));
+  }
   writer.set_metadata(encode_head(hierarchy));
   return writer.finish(progress);
 }

@@ -25,7 +25,8 @@ struct EdgeFacts {
   double error;  ///< Largest |F - F'| at samples in the tetrahedra that came of it, rounded up.
   double low;    ///< Of F at these samples, and of F' at the corners of what went and what came.
   double high;
-  Place value;  ///< Whose value the new vertex has.
+  Place value;             ///< Whose value the new vertex has.
+  double world_error = 0;  ///< CollapseFacts'; only where State says that they are found.
 };
 
 /// What becomes of a mesh as its edges collapse. Vertices are slots, at first those of the mesh.
@@ -40,6 +41,7 @@ struct State {
   const TetraMesh& mesh;
   CollapseOrder order;
   double boundary_tolerance;
+  bool has_world_errors = false;  ///< EdgeFacts' are found.
   Scales scales;
   std::size_t n_fields;
   std::vector<Scale> field_scales;      ///< By field.

@@ -82,7 +82,8 @@ StructureFinding check_nested(const Forest& forest) {
         const std::uint32_t there = child - head.n_vertices;
         const NodeCodes::Parts inner = NodeCodes::parts(forest.facts(there, field));
         finding.add(inner.error <= outer.error && outer.low <= inner.low &&
-                        inner.high <= outer.high && bounds[node].contains(bounds[there]),
+                        inner.high <= outer.high && bounds[node].contains(bounds[there]) &&
+                        forest.world_error(there, field) <= forest.world_error(node, field),
                     fmt::format("node {}: holds less of {} than node {}, which it splits into",
                                 node, head.fields[field].name, there));
       }

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <array>
+
+#include "lode/core/vec.h"
+
+namespace lode::tetra_mt {
+
+/// How far from `p` a tetrahedron has a value of the linear function that its corners' values
+/// make, in the unit of the corners; infinite where it has it nowhere. Of all cells of a mesh the
+/// least is the distance of which the space error is the largest (Cignoni, De Floriani, Magillo,
+/// Puppo, Scopigno 2004, section 3).
+[[nodiscard]] double distance_to_value(const std::array<Vec3d, 4>& corners,
+                                       const std::array<double, 4>& values, double value,
+                                       const Vec3d& p);
+
+}  // namespace lode::tetra_mt
