@@ -208,6 +208,8 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
   LODE_TRY(const double tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (options.placement == Placement::midpoint && job.is_everywhere)
     return fail("--placement midpoint: expected no --everywhere with it");
+  if (options.placement == Placement::midpoint && job.keeps_extrema)
+    return fail("--placement midpoint: expected no --keep-extrema with it, which moves vertices");
   if (job.is_everywhere && tolerance > 0)
     return fail("--everywhere: expected no --boundary-tolerance with it, got {}", tolerance);
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
@@ -223,6 +225,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   LODE_TRY(TetraBuildOptions options, to_build_options(job.reading, session.threads()));
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   options.has_world_errors = job.has_space_errors;
+  options.keeps_extrema = job.keeps_extrema;
   if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;
   LODE_TRY(options.memory_limit, parse_memory_limit(job.memory_limit));
   if (base_cells && !made.mesh.tetrahedra.empty())
@@ -244,6 +247,9 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   add_info(built->info, table, json);
   json["order"] = name_of_order(job.reading);
   table.add({"order", name_of_order(job.reading)});
+  json["extrema"] = job.keeps_extrema ? "reference" : "mesh";
+  table.add({"extrema that stay",
+             job.keeps_extrema ? "of the reference" : "of the mesh as it was by then"});
   add_cell_counts(made.report, table, json["reading"]);
   const double n = static_cast<double>(std::max<std::uint64_t>(built->info.n_vertices, 1));
   json["volume_change"] = built->volume_change;

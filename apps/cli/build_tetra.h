@@ -16,6 +16,7 @@ struct TetraBuildJob {
   std::string memory_limit;        ///< The same; empty: what the machine has.
   bool is_everywhere = false;      ///< Where errors hold.
   bool has_space_errors = false;   ///< Besides.
+  bool keeps_extrema = false;      ///< Of the reference.
   ReadingArguments reading;
 };
 

@@ -27,13 +27,15 @@ struct BuildArguments {
   std::string boundary_tolerance;
   bool is_everywhere = false;
   bool has_space_errors = false;
+  bool keeps_extrema = false;
   std::string levels;
   TerrainArguments terrain;
   ReadingArguments reading;
 
   [[nodiscard]] TetraBuildJob tetra() const {
     return {input,        output,        base_cells,       boundary_tolerance,
-            memory_limit, is_everywhere, has_space_errors, reading};
+            memory_limit, is_everywhere, has_space_errors, keeps_extrema,
+            reading};
   }
   [[nodiscard]] TerrainBuildJob of_terrain() const {
     return {input, output, levels, terrain, reading};
@@ -65,10 +67,10 @@ Result<void> check_build(const BuildArguments& arguments, const CLI::App& app) {
         arguments.input);
   if (is_cells_path(arguments.input)) return check_mesh_build(arguments);
   if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty() ||
-      arguments.is_everywhere || arguments.has_space_errors)
+      arguments.is_everywhere || arguments.has_space_errors || arguments.keeps_extrema)
     return fail(
-        "{}: expected a mesh of cells with --base-cells, --boundary-tolerance, --everywhere and "
-        "--space-errors",
+        "{}: expected a mesh of cells with --base-cells, --boundary-tolerance, --everywhere, "
+        "--keep-extrema and --space-errors",
         arguments.input);
   // What is no file, or empty, is left to the reader, which says so.
   if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
@@ -212,6 +214,10 @@ Command add_build_command(CLI::App& program) {
   app->add_flag("--everywhere", arguments->is_everywhere,
                 "Of a mesh: errors hold at all points (default: at its own vertices alone); takes "
                 "a few times as long");
+  app->add_flag(
+      "--keep-extrema", arguments->keeps_extrema,
+      "Of a mesh: vertices with a value above or below all beside them in the mesh itself "
+      "stay (default: those that are so when their turn comes)");
   app->add_flag("--space-errors", arguments->has_space_errors,
                 "Of a mesh: how far from its place a value may be is found, too, an estimate, for "
                 "extract's --max-space-error and --max-error-px; a byte a vertex and field");

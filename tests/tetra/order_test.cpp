@@ -50,6 +50,45 @@ TEST(collapse_order, takes_several_fields_some_of_them_without_range) {
   }
 }
 
+/// By vertex: whether all beside it have lower values of a field, or all have higher ones.
+std::vector<bool> extrema_of(const TetraMesh& mesh) {
+  const std::size_t n = mesh.positions.size();
+  std::vector<bool> is_one(n, false);
+  for (const MeshField& field : mesh.fields) {
+    std::vector<bool> has_lower(n, false);
+    std::vector<bool> has_higher(n, false);
+    for (const Tetrahedron& t : mesh.tetrahedra)
+      for (const std::uint32_t a : t)
+        for (const std::uint32_t b : t) {
+          if (a == b) continue;
+          has_lower[a] = has_lower[a] || field.values[b] <= field.values[a];
+          has_higher[a] = has_higher[a] || field.values[b] >= field.values[a];
+        }
+    for (std::size_t v = 0; v < n; ++v) is_one[v] = is_one[v] || !has_lower[v] || !has_higher[v];
+  }
+  return is_one;
+}
+
+TEST(collapse_order, keeps_extrema_of_the_reference_where_they_are_to_stay) {
+  TetraMesh mesh = noise_mesh(14, Cut::in_six, 9);
+  mesh.fields.push_back(noise_mesh(14, Cut::in_six, 10).fields[0]);
+  const std::vector<bool> is_extremum = extrema_of(mesh);
+  for (const CollapseOrder order : kOrders) {
+    const auto kept = collapsed(mesh, 0, {.order = order, .keeps_extrema = true}, {2});
+    std::size_t n_gone = 0;
+    for (const Collapse& collapse : kept.collapses)
+      if (is_extremum[collapse.removed]) ++n_gone;
+    EXPECT_EQ(n_gone, 0U);
+    test::expect_simpler(mesh, kept);
+    test::expect_errors_true(mesh, kept);
+    // Else some go, as they are none any more, and fewer cells are left.
+    const auto others = collapsed(mesh, 0, {.order = order}, {2});
+    EXPECT_TRUE(std::ranges::any_of(
+        others.collapses, [&](const Collapse& collapse) { return is_extremum[collapse.removed]; }));
+    EXPECT_LT(others.base.size(), kept.base.size());
+  }
+}
+
 TEST(collapse_order, is_the_same_for_any_number_of_threads) {
   const TetraMesh mesh = noise_mesh(30, Cut::in_five, 5);  // five blocks
   for (const CollapseOrder order : {CollapseOrder::space_error, CollapseOrder::quadric}) {

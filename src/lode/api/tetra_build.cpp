@@ -77,7 +77,8 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
                                {.base_cells = base_cells_of(mesh, options),
                                 .rules = {.order = options.order,
                                           .boundary_tolerance = options.boundary_tolerance,
-                                          .has_world_errors = options.has_world_errors},
+                                          .has_world_errors = options.has_world_errors,
+                                          .keeps_extrema = options.keeps_extrema},
                                 .threads = options.threads},
                                progress));
   if (is_everywhere)
@@ -95,6 +96,9 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
                                        Progress& progress) {
   if (options.error_place == ErrorPlace::everywhere)
     return fail("midpoints: expected errors at samples, got errors everywhere");
+  if (options.keeps_extrema)
+    return fail(
+        "midpoints: expected extrema of the mesh as it is to stay, got those of the reference");
   LODE_CHECK(check_n_fields(mesh));
   LODE_CHECK(check_memory(mesh, options));
   LODE_TRY(const auto collapses,

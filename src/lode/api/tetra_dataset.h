@@ -35,6 +35,9 @@ struct TetraBuildOptions {
   /// How far the boundary, and what lies between regions, may move; the mesh's unit. 0: they stay
   /// in their planes (CollapseRules::boundary_tolerance).
   double boundary_tolerance = 0;
+  /// Extrema of the fields on the mesh itself stay, too, not only those of the mesh as it is when an
+  /// edge collapses; of half edges.
+  bool keeps_extrema = false;
   /// Whether world errors are found, too: how far points of the same value may lie apart, the
   /// paper's space error, an estimate (CollapseFacts). Queries with Query::max_world_error or
   /// max_error_px need them; a byte a vertex and field.
@@ -133,6 +136,8 @@ class TetraDataset {
 
   [[nodiscard]] const TetraInfo& describe() const;
   [[nodiscard]] TetraReads reads() const;
+  // Questions that follow one another are TetraSession's.
+
   /// The mesh of a query's cut, with its fields and by cell the error; conforming, its
   /// vertices the reference's. Without max_error as for volumes. With a
   /// threshold only some of its cells, and report.n_left_out says how many are not there.
@@ -178,6 +183,7 @@ class TetraDataset {
 
  private:
   class Impl;
+  friend class TetraSession;
   explicit TetraDataset(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

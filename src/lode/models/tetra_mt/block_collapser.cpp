@@ -77,6 +77,7 @@ void BlockCollapser::find_keys() {
       state_.is_locked[global(v)] = 1;
       continue;
     }
+    if (rules_.keeps_extrema) state_.stays[global(v)] = is_extremum() ? 1 : 0;
     if (is_by_quadrics()) find_quadrics();
     find_choices();
     for (const Choice& choice : choices_) key = std::min(key, choice.increase);
@@ -112,6 +113,7 @@ bool BlockCollapser::is_inner() const {
 /// In the mesh as it is: where it is none, what is beside it has values from which to which its own
 /// lies, and the range stays.
 bool BlockCollapser::is_extremum() const {
+  if (!state_.stays.empty() && state_.stays[global(star_.vertex)] != 0) return true;
   const std::size_t n = state_.n_fields;
   for (std::size_t f = 0; f < n; ++f) {
     const double own = values_[star_.vertex * n + f];

@@ -29,6 +29,9 @@ struct CollapseRules {
   /// where these are narrow.
   double boundary_tolerance = 0;
   bool has_world_errors = false;  ///< CollapseFacts' are found.
+  /// Vertices stay whose values are above, or below, all beside them in the mesh as it is at first,
+  /// not only those which are so when their turn comes.
+  bool keeps_extrema = false;
 };
 
 /// Collapses edges among a block's vertices. Those with others beside them stay, so that no two

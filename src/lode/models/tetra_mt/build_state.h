@@ -74,6 +74,8 @@ struct BuildState {
   std::vector<float> keys;              ///< By vertex: what its going adds, as known; or infinite.
   std::vector<std::uint8_t> is_there;   ///< By vertex, as long as it is not removed.
   std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
+  /// By vertex: extrema of the reference, where these are to stay; else empty.
+  std::vector<std::uint8_t> stays;
   std::vector<Collapse> collapses;      ///< In an order that can be done again.
   std::vector<CollapseFacts> facts;     ///< By collapse and field.
   std::vector<CollapseStars> stars;     ///< Of the collapses, in pieces.

@@ -155,6 +155,7 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   BuildState state(mesh, options.rules.order);
   LODE_CHECK(state.close(options.threads));
   state.set_limits(tolerance);
+  if (options.rules.keeps_extrema) state.stays.assign(state.outside, 0);
   const double volume = state.volume();
   std::vector<Tetrahedron> outer(
       state.tetrahedra.begin() + static_cast<std::ptrdiff_t>(mesh.tetrahedra.size()),
