@@ -52,29 +52,6 @@ struct ExtractArguments {
   }
 };
 
-/// One file to write, and the isovalues that go into it.
-struct Job {
-  std::string path;
-  std::vector<double> isovalues;
-};
-
-/// Several isovalues share a file where it has an attribute to tell them apart.
-std::vector<Job> plan_jobs(const std::string& output, const std::vector<double>& isovalues) {
-  if (isovalues.size() == 1 || can_hold_isovalues(output)) return {{output, isovalues}};
-  std::vector<Job> jobs;
-  jobs.reserve(isovalues.size());
-  for (const double isovalue : isovalues)
-    jobs.push_back({path_for_isovalue(output, isovalue), {isovalue}});
-  return jobs;
-}
-
-std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
-  std::vector<std::string> paths;
-  paths.reserve(jobs.size());
-  for (const Job& job : jobs) paths.push_back(job.path);
-  return paths;
-}
-
 Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& app) {
   if (holds_terrain(arguments.input)) return check_terrain_job(arguments.terrain_job(), app);
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
@@ -132,7 +109,7 @@ Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& ap
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
   LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));
   return check_paths_differ({arguments.input},
-                            paths_of(plan_jobs(arguments.output, options.isovalues)));
+                            paths_for_isovalues(arguments.output, options.isovalues));
 }
 
 /// Sums of the jobs' reports; errors are the largest of them.
@@ -325,12 +302,11 @@ void warn_of_common_bands(Session& session, std::vector<double> isovalues,
       report.max_error, *near, *std::next(near)));
 }
 
-/// Of more than one job each has an isovalue of its own.
-Result<void> run_jobs(const std::vector<Job>& jobs, const ExtractOptions& options,
-                      const Input& input, Session& session, Totals& totals) {
-  const std::vector<std::string> paths = paths_of(jobs);
+/// Of more than one path each has an isovalue of its own.
+Result<void> extract_to_paths(const std::vector<std::string>& paths, const ExtractOptions& options,
+                              const Input& input, Session& session, Totals& totals) {
   bool is_together = false;
-  if (jobs.size() > 1) {
+  if (paths.size() > 1) {
     LODE_TRY(is_together,
              are_extracted_together(input.dataset, options, paths.front(), session.progress()));
   }
@@ -343,17 +319,17 @@ Result<void> run_jobs(const std::vector<Job>& jobs, const ExtractOptions& option
     add_job(report, options, input, session, totals);
     return {};
   }
-  for (const Job& job : jobs) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
     ExtractOptions alone = options;
-    alone.isovalues = job.isovalues;
+    if (paths.size() > 1) alone.isovalues = {options.isovalues[i]};
     const auto note = [&](const ExtractReport& report) {
-      return note_of(report, job.isovalues, options, input);
+      return note_of(report, alone.isovalues, options, input);
     };
     LODE_TRY(const ExtractReport report,
-             extract_to_file(input.dataset, alone, job.path, note, session.progress()));
+             extract_to_file(input.dataset, alone, paths[i], note, session.progress()));
     add_job(report, options, input, session, totals);
   }
-  if (jobs.size() > 1 && !input.dataset.takes_several_isovalues(options))
+  if (paths.size() > 1 && !input.dataset.takes_several_isovalues(options))
     warn_of_common_bands(session, options.isovalues, totals.report);
   return {};
 }
@@ -366,8 +342,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   if (!arguments.memory_limit.empty()) {
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
-  const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
-  const std::vector<std::string> paths = paths_of(jobs);
+  const std::vector<std::string> paths = paths_for_isovalues(arguments.output, options.isovalues);
   for (const std::string& path : paths) LODE_CHECK(check_writable(path));
   LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
   const auto accept = [&](const VolumeInfo& volume) {
@@ -383,7 +358,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
     LODE_TRY(steps, write_steps({folder, arguments.output, options, input}, session, outputs));
   }
   for (const std::string& path : paths) outputs.add(path);
-  LODE_CHECK(run_jobs(jobs, options, input, session, totals));
+  LODE_CHECK(extract_to_paths(paths, options, input, session, totals));
   warn_of_cubes(session, options);
   outputs.keep();
   folder.keep();
@@ -403,8 +378,7 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
 
 constexpr const char* kFooter =
     "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
-    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut\n"
-    "(not of meshes of cells).\n\n"
+    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut.\n\n"
     "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
     ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
     "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"

@@ -25,6 +25,8 @@ struct TetraAnswer {
   double seconds = 0;
   double write_seconds = 0;
   std::vector<Attribute> attributes{};  ///< Without their values.
+  std::vector<std::string> outputs{};
+  std::vector<double> isovalues{};  ///< Of surfaces.
 };
 
 template <typename Report>
@@ -36,9 +38,7 @@ TetraAnswer to_answer(const Report& report, bool is_default) {
           report.achieved_px,
           report.budget_met,
           report.is_settled,
-          report.seconds,
-          0,
-          {}};
+          report.seconds};
 }
 
 /// Where errors of a further field hold.
@@ -64,7 +64,7 @@ void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
         fmt::format("--max-cells is not met: the coarsest mesh has {} simplices", n_cells));
 }
 
-std::string tetra_comment(const char* kind, const TetraInput& input, const TetraAnswer& made,
+std::string tetra_comment(const std::string& kind, const TetraInput& input, const TetraAnswer& made,
                           const std::string& opacity) {
   std::string text =
       fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
@@ -85,7 +85,7 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
   Json json;
   json["command"] = "extract";
   json["input"] = job.input;
-  json["outputs"] = Json::array({job.output});
+  json["outputs"] = made.outputs;
   json["model"] = "tetra_mt";
   json["placement"] = name_of(info.placement);
   if (input.was_built()) json["order"] = name_of_order(job.reading);
@@ -95,6 +95,7 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
     json["with"].push_back({{"field", more.name},
                             {"largest_error", more.error},
                             {"error_kind", name_of(place_of(input, more))}});
+  if (!made.isovalues.empty()) json["isovalues"] = made.isovalues;
   json["max_error"] = std::isfinite(made.max_error) ? Json(made.max_error) : Json(nullptr);
   json["max_error_is_default"] = made.is_default;
   if (made.space_error) json["achieved_space_error"] = *made.space_error;
@@ -173,7 +174,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"extract", format_seconds(made.seconds)});
   table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
   table.add({"write", format_seconds(made.write_seconds)});
-  table.add({"output", job.output});
+  for (const std::string& path : made.outputs) table.add({"output", path});
   outcome.text = table.to_string();
   outcome.json["warnings"] = session.warnings();
   return outcome;
@@ -301,6 +302,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   warn_of_empty(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(mesh.attributes);
+  made.outputs = {job.output};
   const Stopwatch watch;
   LODE_CHECK(write_mesh(job.output, mesh,
                         {.comment = tetra_comment("mesh", input, made, job.query.opacity),
@@ -366,9 +368,44 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
                              job.output));
 }
 
+/// Isosurfaces share a file where that tells them apart; other surfaces have one.
+std::vector<std::string> surface_paths(const MeshJob& job, const TetraJob& wanted) {
+  if (job.query.is_wanted()) return {job.output};
+  return paths_for_isovalues(job.output, wanted.surface.query.isovalues);
+}
+
+/// What a surface is: of isosurfaces their values.
+std::string kind_of_surface(const MeshJob& job, const std::vector<double>& isovalues) {
+  if (job.query.is_boundary) return "boundary";
+  if (!job.query.sections.empty()) return "section";
+  return fmt::format("{} {}", isovalues.size() == 1 ? "isovalue" : "isovalues",
+                     fmt::join(isovalues, " "));
+}
+
+/// Of more than one path each has an isovalue of its own. All are there in the end, or none.
+Result<void> write_surfaces(const MeshJob& job, const TetraInput& input, const Surface& surface,
+                            const TetraAnswer& made, Progress& progress) {
+  const auto note = [&](const std::vector<double>& isovalues) {
+    return SurfaceWriteOptions{
+        .comment = tetra_comment(kind_of_surface(job, isovalues), input, made, job.query.opacity),
+        .value_name = input.field().name,
+        .time = input.time()};
+  };
+  OutputSet outputs(made.outputs);
+  for (const std::string& path : made.outputs) outputs.add(path);
+  if (made.outputs.size() == 1) {
+    LODE_CHECK(write_surface(made.outputs.front(), surface, note(made.isovalues), progress));
+  } else {
+    const auto note_of_one = [&](double isovalue) { return note({isovalue}); };
+    LODE_CHECK(write_isovalue_files(surface, made.isovalues, made.outputs, note_of_one, progress));
+  }
+  outputs.keep();
+  return {};
+}
+
 Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& session) {
-  LODE_TRY(const TetraInput input, open_tetra_input(job.input, reading_of(job), session));
-  const TetraFieldInfo& field = input.field();
+  LODE_TRY(const TetraInput input,
+           open_tetra_input(job.input, reading_of(job), session));
   LODE_TRY(wanted.mesh.regions, wanted_regions(job, input));
   wanted.surface.regions = wanted.sections.regions = wanted.mesh.regions;
   Surface surface;
@@ -381,15 +418,11 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(surface.attributes);
-  const char* const kind = job.query.is_boundary         ? "boundary"
-                           : !job.query.sections.empty() ? "section"
-                                                         : "isosurface";
+  made.outputs = surface_paths(job, wanted);
+  made.isovalues =
+      job.query.is_wanted() ? wanted.sections.isovalues : wanted.surface.query.isovalues;
   const Stopwatch watch;
-  LODE_CHECK(write_surface(job.output, surface,
-                           {.comment = tetra_comment(kind, input, made, job.query.opacity),
-                            .value_name = field.name,
-                            .time = input.time()},
-                           session.progress()));
+  LODE_CHECK(write_surfaces(job, input, surface, made, session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;
@@ -414,14 +447,12 @@ Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
         "{}: expected a format that holds the isolines of a section: .vtp, .ply, .obj or .glb",
         job.output);
   if (job.query.is_wanted()) return {};
-  const std::size_t n = wanted.surface.query.isovalues.size();
-  if (n == 0)
+  const std::vector<double>& isovalues = wanted.surface.query.isovalues;
+  if (isovalues.empty())
     return fail("{}: expected --isovalue or --mesh, --section or --boundary, got none of them",
                 job.input);
-  if (n > 1 && !can_hold_isovalues(job.output))
-    return fail("{}: expected one isovalue, or a format that tells several apart: .ply or .vtp",
-                job.output);
-  return {};
+  if (can_hold_isovalues(job.output)) return {};
+  return check_differ_as_floats(job.output, isovalues);
 }
 
 }  // namespace
@@ -438,12 +469,12 @@ Result<void> check_tetra_job(const MeshJob& job) {
   LODE_CHECK(check_opacity(job.query.opacity));
   if (!job.query.opacity.empty() && !is_transfer_preset(job.query.opacity))
     inputs.push_back(job.query.opacity);
-  return check_paths_differ(inputs, {job.output});
+  return check_paths_differ(inputs, surface_paths(job, wanted));
 }
 
 Result<Outcome> run_tetra_job(const MeshJob& job, Session& session) {
-  LODE_CHECK(check_writable(job.output));
   LODE_TRY(const TetraJob wanted, to_tetra_job(job, session.threads()));
+  for (const std::string& path : surface_paths(job, wanted)) LODE_CHECK(check_writable(path));
   return job.query.is_mesh ? run_tetra_mesh(job, wanted, session)
                            : run_tetra_surface(job, wanted, session);
 }

@@ -19,6 +19,14 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
+std::string path_for_isovalue(const std::string& path, double isovalue) {
+  const std::filesystem::path whole(path);
+  std::filesystem::path named = whole.parent_path() / whole.stem();
+  named += fmt::format("-{}", isovalue);
+  named += whole.extension();
+  return named.string();
+}
+
 }  // namespace
 
 Result<void> check_surface_extension(const std::string& path) {
@@ -46,12 +54,13 @@ Result<void> check_extension(const std::string& path, const std::string& extensi
               got.empty() ? "no extension" : got);
 }
 
-std::string path_for_isovalue(const std::string& path, double isovalue) {
-  const std::filesystem::path whole(path);
-  std::filesystem::path named = whole.parent_path() / whole.stem();
-  named += fmt::format("-{}", isovalue);
-  named += whole.extension();
-  return named.string();
+std::vector<std::string> paths_for_isovalues(const std::string& path,
+                                             const std::vector<double>& isovalues) {
+  if (isovalues.size() <= 1 || can_hold_isovalues(path)) return {path};
+  std::vector<std::string> paths;
+  paths.reserve(isovalues.size());
+  for (const double isovalue : isovalues) paths.push_back(path_for_isovalue(path, isovalue));
+  return paths;
 }
 
 OutputSet::OutputSet(const std::vector<std::string>& planned) {

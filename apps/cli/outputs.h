@@ -16,8 +16,10 @@ namespace lode::cli {
 /// Fails unless `path` ends in `extension`, which starts with a dot (any case).
 [[nodiscard]] Result<void> check_extension(const std::string& path, const std::string& extension);
 
-/// bone.stl and 1200 give bone-1200.stl.
-[[nodiscard]] std::string path_for_isovalue(const std::string& path, double isovalue);
+/// The files of isovalues: one for all where its format has an attribute to tell them apart, or
+/// there is one of them; else one each, in their order: bone.stl and 1200 give bone-1200.stl.
+[[nodiscard]] std::vector<std::string> paths_for_isovalues(const std::string& path,
+                                                           const std::vector<double>& isovalues);
 
 /// Files written by a command that makes several: unless keep() is called, those written so far
 /// are taken away again, so that a failed command leaves no part of its result. Where one of them

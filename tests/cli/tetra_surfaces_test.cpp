@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -53,6 +54,65 @@ TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_to
                       static_cast<double>(p[2]),
                   std::stod(isovalue), 1.2);
   }
+}
+
+/// The triangles of one isovalue.
+Surface part_of(const Surface& all, float isovalue) {
+  Surface part;
+  part.positions = all.positions;
+  for (const auto& triangle : all.triangles)
+    if (all.isovalues[triangle[0]] == isovalue) part.triangles.push_back(triangle);
+  return part;
+}
+
+TEST_F(cli_tetra, writes_isovalues_of_one_cut_to_a_file_each_where_formats_do_not_tell_them_apart) {
+  const auto extract = [&](const std::string& path) {
+    const Finished run = run_lode({"extract", input_, path, "--isovalue", "3.1", "--isovalue", "8",
+                                   "--isovalue", "-2.5", "--max-error", "0.5", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  };
+  const std::string ply = scratch_ / "out.ply";
+  const nlohmann::json whole = extract(ply);
+  EXPECT_EQ(whole.at("outputs"), nlohmann::json({ply}));
+  EXPECT_EQ(whole.at("isovalues"), nlohmann::json({3.1, 8.0, -2.5}));
+  const Surface all = read_surface(ply).value();
+  ASSERT_EQ(all.isovalues.size(), all.positions.size());
+  for (const std::string extension : {".obj", ".stl"}) {
+    const nlohmann::json apart = extract(scratch_ / ("out" + extension));
+    EXPECT_EQ(apart.at("cut_cells"), whole.at("cut_cells"));
+    EXPECT_EQ(apart.at("triangles"), whole.at("triangles"));
+    EXPECT_EQ(apart.at("achieved_error"), whole.at("achieved_error"));
+    EXPECT_FALSE(std::filesystem::exists(scratch_ / ("out" + extension)));
+    nlohmann::json paths;
+    for (const char* const isovalue : {"3.1", "8", "-2.5"}) {
+      paths.push_back(scratch_ / ("out-" + std::string(isovalue) + extension));
+      const Surface one = read_surface(paths.back()).value();
+      EXPECT_GT(one.triangles.size(), 20U);
+      EXPECT_EQ(oracles::sorted_triangles(one),
+                oracles::sorted_triangles(part_of(all, std::stof(isovalue))))
+          << paths.back();
+      if (extension == ".obj") EXPECT_EQ(one.normals.size(), one.positions.size());
+    }
+    EXPECT_EQ(apart.at("outputs"), paths);
+  }
+  EXPECT_NE(read_bytes(scratch_ / "out-8.obj").find("isovalue 8, max_error 0.5"),
+            std::string::npos);
+}
+
+TEST_F(cli_tetra, leaves_no_file_of_isovalues_where_one_cannot_be_written) {
+  SimplexMesh far = waves(13);
+  for (Vec3d& p : far.positions) p = p + Vec3d{{1e6, 1e6, 0}};
+  const std::string input = scratch_ / "far.vtu";
+  Progress progress;
+  ASSERT_TRUE(write_vtu(input, far, {.value_name = "wave"}, progress));
+  // The first is empty, the second has an origin, which STL has not got.
+  const Finished run = run_lode({"extract", input, scratch_ / "out.stl", "--isovalue", "1000",
+                                 "--isovalue", "3.1", "--max-error", "0.5"});
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_NE(run.err.find("out-3.1.stl"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "out-1000.stl"));
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "out-3.1.stl"));
 }
 
 TEST_F(cli_tetra, gives_isosurfaces_normals_to_lower_values_unless_told_not_to) {

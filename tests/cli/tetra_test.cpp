@@ -289,8 +289,13 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--threshold", "2:1"}, "expected A <= B");
   refused({"extract", input_, surface, "--isovalue", "3", "--style", "cubes"}, "--style");
   refused({"extract", input_, surface, "--isovalue", "3", "--simplify"}, "--simplify");
-  refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "4"},
-          "expected one isovalue");
+  refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "3.00000001"},
+          "expected isovalues that differ as float32");
+  write_bytes(scratch_ / "in-4.obj",
+              R"({"eye": [0, -9, 0], "target": [0, 0, 0], "up": [0, 0, 1]})");
+  refused({"extract", input_, scratch_ / "in.obj", "--isovalue", "3", "--isovalue", "4", "--view",
+           scratch_ / "in-4.obj"},
+          "expected an output that is not an input");
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"},
           "no options of reading but --field, --with, --component");

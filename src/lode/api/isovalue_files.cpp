@@ -124,11 +124,8 @@ Result<ExtractReport> write_parts(const Dataset& dataset, const ExtractOptions& 
   Surface all;
   LODE_TRY(ExtractReport report, dataset.extract(options, all, progress));
   const Stopwatch writing;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const double isovalue = options.isovalues[i];
-    LODE_CHECK(write_surface(paths[i], part_at(all, static_cast<float>(isovalue)),
-                             note(report, isovalue), progress));
-  }
+  const auto note_of = [&](double isovalue) { return note(report, isovalue); };
+  LODE_CHECK(write_isovalue_files(all, options.isovalues, paths, note_of, progress));
   report.seconds.write = writing.seconds();
   return report;
 }
@@ -149,9 +146,7 @@ Result<ExtractReport> extract_to_files(const Dataset& dataset, const ExtractOpti
                                        Progress& progress) try {
   LODE_EXPECTS(!paths.empty() && paths.size() == options.isovalues.size());
   const Stopwatch all;
-  if (const auto same = equal_as_floats(options.isovalues))
-    return fail("{}: expected isovalues that differ as float32, got {} and {}", paths.front(),
-                same->first, same->second);
+  LODE_CHECK(check_differ_as_floats(paths.front(), options.isovalues));
   LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options, progress));
   LODE_TRY(ExtractReport report, comes_in_pieces && io::can_stream(paths.front())
                                      ? stream_to_files(dataset, options, paths, note, progress)
@@ -160,6 +155,26 @@ Result<ExtractReport> extract_to_files(const Dataset& dataset, const ExtractOpti
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface", paths.front());
+}
+
+Result<void> write_isovalue_files(const Surface& all, std::span<const double> isovalues,
+                                  std::span<const std::string> paths,
+                                  const std::function<io::SurfaceWriteOptions(double)>& note,
+                                  Progress& progress) try {
+  LODE_EXPECTS(paths.size() == isovalues.size());
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    LODE_CHECK(write_surface(paths[i], part_at(all, static_cast<float>(isovalues[i])),
+                             note(isovalues[i]), progress));
+  return {};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the surfaces", paths.front());
+}
+
+Result<void> check_differ_as_floats(const std::string& path, std::vector<double> isovalues) {
+  const auto same = equal_as_floats(std::move(isovalues));
+  if (!same) return {};
+  return fail("{}: expected isovalues that differ as float32, got {} and {}", path, same->first,
+              same->second);
 }
 
 Result<Surface> read_isovalue_files(std::span<const std::string> paths,

@@ -29,6 +29,19 @@ namespace lode {
     const std::function<io::SurfaceWriteOptions(const ExtractReport&, double isovalue)>& note,
     Progress& progress);
 
+/// Writes a surface's isovalues into files of their own, each whole or not at all; what is written
+/// before one fails stays. `paths`: one for each isovalue, in their order; `note(isovalue)` is what
+/// a file says of itself. Vertices must have isovalues that check_differ_as_floats() lets pass;
+/// values, errors and further fields are left out.
+[[nodiscard]] Result<void> write_isovalue_files(
+    const Surface& all, std::span<const double> isovalues, std::span<const std::string> paths,
+    const std::function<io::SurfaceWriteOptions(double isovalue)>& note, Progress& progress);
+
+/// Refuses isovalues that are one as float32: vertices tell them apart by no more. `path`: a file
+/// of them, for the message.
+[[nodiscard]] Result<void> check_differ_as_floats(const std::string& path,
+                                                  std::vector<double> isovalues);
+
 /// Surfaces of one isovalue each, read from a file each, one behind the other as extract() gives
 /// them. Refuses another number of isovalues than of paths, and files that were placed differently.
 [[nodiscard]] Result<Surface> read_isovalue_files(std::span<const std::string> paths,
