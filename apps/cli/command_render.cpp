@@ -13,6 +13,7 @@
 #include "render_tetra.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
+#include "tetra_query_options.h"
 #include "text.h"
 #include "tolerance.h"
 #include "vtk_import.h"
@@ -84,8 +85,15 @@ Result<RenderOptions> to_render_options(const RenderArguments& arguments) {
 }
 
 TetraPictureJob tetra_job(const RenderArguments& arguments, const RenderOptions& options) {
-  return {arguments.input,          arguments.output,  arguments.camera, arguments.save_camera,
-          arguments.extraction,     arguments.reading, arguments.tetra,  options,
+  return {arguments.input,
+          arguments.output,
+          arguments.camera,
+          arguments.save_camera,
+          arguments.extraction,
+          arguments.reading,
+          arguments.tetra,
+          arguments.path.max_error_px,
+          options,
           arguments.samples.empty()};
 }
 
@@ -106,9 +114,6 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
   if (arguments.progressive.is_wanted() || arguments.path.is_wanted())
     return fail("{}: expected no --progressive or --camera-path with a mesh of cells",
                 arguments.input);
-  if (!arguments.path.max_error_px.empty())
-    return fail("{}: expected --max-error with a mesh of cells, got --max-error-px",
-                arguments.input);
   LODE_TRY(const RenderOptions options, to_render_options(arguments));
   return check_tetra_picture(tetra_job(arguments, options));
 }
@@ -122,9 +127,9 @@ Result<void> check_render(const RenderArguments& arguments, const CLI::App& app)
   if (holds_cells(arguments.input)) return check_tetra_render(arguments);
   if (!arguments.tetra.is_empty())
     return fail(
-        "{}: expected a mesh of cells with --opacity, --section, --boundary, --wireframe, --points "
-        "or "
-        "--max-cells, got a volume",
+        "{}: expected a mesh of cells with --opacity, --section, --boundary, --wireframe, "
+        "--points, "
+        "--warp, a focus, --threshold, --region, --max-cells or --deadline-ms, got a volume",
         arguments.input);
   LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
   if (extraction.isovalues.empty()) return no_isovalue(arguments.input, arguments.reading);
@@ -294,6 +299,7 @@ Command add_render_command(CLI::App& program) {
   app->footer(
       "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200\n"
       "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000\n"
+      "  lode render wing.lode tip.png --boundary --camera tip.json --threshold 2:3\n"
       "  lode render dem.tif map.png --top --contours 100");
   app->add_option("file", arguments->input,
                   ".lode file, a volume or mesh to build in memory, or terrain")

@@ -1,12 +1,11 @@
 #include "extract_tetra.h"
 
-#include <cmath>
-
 #include "lode/api/mesh_picture.h"
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
+#include "tetra_query_options.h"
 #include "text.h"
 #include "tolerance.h"
 
@@ -31,14 +30,8 @@ struct TetraAnswer {
 
 template <typename Report>
 TetraAnswer to_answer(const Report& report, bool is_default) {
-  return {report.max_error,
-          is_default,
-          report.achieved_error,
-          report.achieved_world_error,
-          report.achieved_px,
-          report.budget_met,
-          report.is_settled,
-          report.seconds};
+  return {report.max_error,   is_default,        report.achieved_error, report.achieved_world_error,
+          report.achieved_px, report.budget_met, report.is_settled,     report.seconds};
 }
 
 /// Where errors of a further field hold.
@@ -56,12 +49,6 @@ std::vector<Attribute> without_values(const std::vector<Attribute>& attributes) 
   for (const Attribute& from : attributes)
     told.push_back({from.name, from.is_narrow, {}, from.error});
   return told;
-}
-
-void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
-  if (!is_met)
-    session.warn(
-        fmt::format("--max-cells is not met: the coarsest mesh has {} simplices", n_cells));
 }
 
 std::string tetra_comment(const std::string& kind, const TetraInput& input, const TetraAnswer& made,
@@ -96,10 +83,8 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
                             {"largest_error", more.error},
                             {"error_kind", name_of(place_of(input, more))}});
   if (!made.isovalues.empty()) json["isovalues"] = made.isovalues;
-  json["max_error"] = std::isfinite(made.max_error) ? Json(made.max_error) : Json(nullptr);
+  json["max_error"] = max_error_json(made.max_error);
   json["max_error_is_default"] = made.is_default;
-  if (made.space_error) json["achieved_space_error"] = *made.space_error;
-  if (made.pixels) json["achieved_px"] = *made.pixels;
   json["achieved_error"] = made.achieved_error;
   if (!job.query.opacity.empty()) json["opacity"] = job.query.opacity;
   json["error_kind"] = name_of(field.error_place);
@@ -123,19 +108,6 @@ std::string name_of_count(const std::string& key) {
   return key == "inverted_cells" ? "cells turned round" : key;
 }
 
-/// Of those that were asked for.
-void add_space_error(const MeshJob& job, const TetraAnswer& made, Table& table) {
-  if (made.space_error)
-    table.add(
-        {"space error", fmt::format("{}{}, by an estimate", format_number(*made.space_error),
-                                    job.query.max_space_error.empty()
-                                        ? ""
-                                        : fmt::format(" of up to {}", job.query.max_space_error))});
-  if (made.pixels)
-    table.add({"pixels", fmt::format("{} of up to {}, by an estimate", format_number(*made.pixels),
-                                     job.query.max_error_px)});
-}
-
 Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
                       const Json& counts, const Session& session) {
   const TetraInfo& info = input.dataset.describe();
@@ -156,14 +128,14 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                                  format_number(field.base_error), place)});
   table.add(
       {"max error",
-       (std::isfinite(made.max_error) ? format_number(made.max_error) : std::string("any")) +
+       describe_max_error(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
   table.add({"achieved error", format_number(made.achieved_error) + ' ' + place +
                                    (job.query.opacity.empty() ? "" : kWhereShown)});
-  add_space_error(job, made, table);
+  add_space_error(job.query, {made.space_error, made.pixels}, table, outcome.json);
   if (info.boundary_deviation > 0)
     table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
-  if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
+  add_deadline(made.is_settled, table);
   for (const auto& [name, value] : counts.items())
     table.add({name_of_count(name), value.is_number_float()
                                         ? format_number(value.get<double>()) + ' ' + place
@@ -178,13 +150,6 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   outcome.text = table.to_string();
   outcome.json["warnings"] = session.warnings();
   return outcome;
-}
-
-/// Of a foreign file that is built what its query needs is found, too.
-ReadingArguments reading_of(const MeshJob& job) {
-  ReadingArguments reading = with_warp(job.reading, job.query.warp);
-  reading.has_space_errors = !job.query.max_space_error.empty() || !job.query.max_error_px.empty();
-  return reading;
 }
 
 constexpr const char* kMeshOfCells = "mesh of cells";
@@ -220,33 +185,24 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   if (is_section && !job.query.view.empty())
     return fail("--view: expected no --section with it, which is fine along its plane");
   if (is_section) return section_job(job);
+  const char* const answer = job.query.is_mesh       ? "--mesh"
+                             : job.query.is_boundary ? "--boundary"
+                                                     : kMeshOfCells;
+  if (!job.query.sections.empty()) return fail("{}: expected no --section with it", answer);
   ExtractionArguments extraction = job.extraction;
   // Only isosurfaces have normals.
   if (!job.query.is_wanted()) extraction.normals = "on";
-  LODE_TRY(const QueryArguments query, without_share(job.query));
-  LODE_TRY(MeshOptions options, to_mesh_options(query, extraction,
-                                                job.query.is_mesh       ? "--mesh"
-                                                : job.query.is_boundary ? "--boundary"
-                                                                        : kMeshOfCells));
-  if (!job.query.view.empty()) {
-    LODE_TRY(options.query.view, read_view(job.query));
-  }
-  LODE_CHECK(add_space_tolerances(job.query, options.query));
-  LODE_TRY(const auto deadline_s, to_deadline(job.query));
   TetraJob made;
+  LODE_TRY(made.mesh, to_tetra_query(job.query, extraction, answer));
+  LODE_CHECK(check_outside(made.mesh.query));
+  made.mesh.threads = threads;
   LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
-  made.surface = {.query = options.query,
-                  .deadline_s = deadline_s,
+  made.surface = {.query = made.mesh.query,
+                  .deadline_s = made.mesh.deadline_s,
                   .normals = surface.normals,
                   .threads = threads};
-  made.mesh = {.query = options.query,
-               .deadline_s = deadline_s,
-               .threshold = {},
-               .patches = job.query.patches,
-               .threads = threads};
-  LODE_TRY(made.mesh.threshold, to_threshold(job.query));
-  made.is_default =
-      !options.query.max_error && !options.query.max_error_px && !options.query.max_world_error;
+  const Query& query = made.mesh.query;
+  made.is_default = !query.max_error && !query.max_error_px && !query.max_world_error;
   return made;
 }
 
@@ -273,24 +229,13 @@ void warn_of_empty(Session& session, const MeshJob& job, bool is_empty) {
                                : "the answer is empty: the mesh has no cell");
 }
 
-/// Of tolerances that are shares of the range of values.
-void set_shares(const MeshJob& job, const TetraFieldInfo& field, Query& query) {
-  set_share(job.extraction.max_error, field.range_min, field.range_max, query.max_error);
-  set_share(job.query.max_error_outside, field.range_min, field.range_max, query.max_error_outside);
-}
-
-Result<std::vector<std::int64_t>> wanted_regions(const MeshJob& job, const TetraInput& input) {
-  auto regions = find_regions(input.dataset.describe(), job.query.regions);
-  if (!regions) return fail("{}: {}", job.input, regions.error().message);
-  return regions;
-}
-
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, open_tetra_input(job.input, reading_of(job), session));
+  LODE_TRY(const TetraInput input,
+           open_tetra_input(job.input, reading_for(job.reading, job.query), session));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
-  LODE_TRY(options.regions, wanted_regions(job, input));
-  set_shares(job, field, options.query);
+  LODE_TRY(options.regions, wanted_regions(job.input, input.dataset.describe(), job.query));
+  set_shares(job.extraction, job.query, field, options.query);
   LODE_CHECK(add_opacity(job, input, options.query));
   options.fields = input.fields;
   SimplexMesh mesh;
@@ -298,7 +243,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   LODE_TRY(const std::uint64_t n_inverted,
            apply_warp(job.query.warp, job.reading, session.threads(), mesh));
   warn_of_inverted(session, n_inverted);
-  warn_of_budget(session, report.budget_met, report.n_cut_cells);
+  warn_of_budget(session, report);
   warn_of_empty(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(mesh.attributes);
@@ -329,7 +274,7 @@ Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
     options.regions = wanted.sections.regions;
     options.threads = session.threads();
   }
-  set_shares(job, input.field(), options.query);
+  set_shares(job.extraction, job.query, input.field(), options.query);
   LODE_CHECK(add_opacity(job, input, options.query));
   options.fields = input.fields;
   SimplexMesh mesh;
@@ -341,9 +286,9 @@ Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& 
                                         TetraJob wanted, Surface& surface, Progress& progress) {
   wanted.mesh.fields = wanted.sections.fields = wanted.surface.fields = input.fields;
   const TetraFieldInfo& field = input.field();
-  set_shares(job, field, wanted.mesh.query);
+  set_shares(job.extraction, job.query, field, wanted.mesh.query);
   LODE_CHECK(add_opacity(job, input, wanted.mesh.query));
-  set_shares(job, field, wanted.surface.query);
+  set_shares(job.extraction, job.query, field, wanted.surface.query);
   set_share(job.extraction.max_error, field.range_min, field.range_max, wanted.sections.max_error);
   if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
   if (!job.query.sections.empty())
@@ -405,8 +350,8 @@ Result<void> write_surfaces(const MeshJob& job, const TetraInput& input, const S
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& session) {
   LODE_TRY(const TetraInput input,
-           open_tetra_input(job.input, reading_of(job), session));
-  LODE_TRY(wanted.mesh.regions, wanted_regions(job, input));
+           open_tetra_input(job.input, reading_for(job.reading, job.query), session));
+  LODE_TRY(wanted.mesh.regions, wanted_regions(job.input, input.dataset.describe(), job.query));
   wanted.surface.regions = wanted.sections.regions = wanted.mesh.regions;
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
@@ -414,7 +359,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   LODE_CHECK(apply_warp(job.query.warp, job.reading, surface));
   LODE_TRY(const std::uint64_t n_inverted, count_turned(input, job, wanted, session));
   warn_of_inverted(session, n_inverted);
-  warn_of_budget(session, report.budget_met, report.n_cut_cells);
+  warn_of_budget(session, report);
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(surface.attributes);
@@ -464,11 +409,9 @@ Result<void> check_tetra_job(const MeshJob& job) {
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   if (!job.memory_limit.empty())
     return fail("--memory-limit: expected none with a mesh of cells, which is built in memory");
-  std::vector<std::string> inputs{job.input};
-  if (!job.query.view.empty()) inputs.push_back(job.query.view);
   LODE_CHECK(check_opacity(job.query.opacity));
-  if (!job.query.opacity.empty() && !is_transfer_preset(job.query.opacity))
-    inputs.push_back(job.query.opacity);
+  std::vector<std::string> inputs = files_of(job.query);
+  inputs.push_back(job.input);
   return check_paths_differ(inputs, surface_paths(job, wanted));
 }
 

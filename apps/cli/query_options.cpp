@@ -53,6 +53,19 @@ Result<SectionPlane> parse_plane_of(const char* option, const std::string& text)
   return plane;
 }
 
+/// A point and a normal as elsewhere, or A,B,C,D: where A x + B y + C z = D.
+Result<SectionPlane> parse_section(const std::string& text) {
+  if (text.find(':') != std::string::npos) return parse_plane_of("--section", text);
+  LODE_TRY(const auto n, parse_numbers("--section", text));
+  if (n.size() != 4)
+    return fail("--section: expected a plane as A,B,C,D or X,Y,Z:NX,NY,NZ, got '{}'", text);
+  SectionPlane plane{{}, {{n[0], n[1], n[2]}}};
+  plane.point = plane.normal * (n[3] / dot(plane.normal, plane.normal));
+  for (const double number : plane.point.v)
+    if (!std::isfinite(number)) return fail("--section: expected a normal, got '{}'", text);
+  return plane;
+}
+
 Result<Budget> parse_budget(const std::string& text) {
   if (text.empty()) return Budget{};
   LODE_TRY(const std::int64_t n,
@@ -109,6 +122,45 @@ Result<void> check_surface_options(const ExtractionArguments& extraction, const 
 
 }  // namespace
 
+void add_focus_options(CLI::App& app, QueryArguments& arguments) {
+  const char* group = "Meshes and sections";
+  const auto add = [&](const char* name, auto& value, const char* type, const char* help) {
+    app.add_option(name, value, help)->type_name(type)->allow_extra_args(false)->group(group);
+  };
+  add("--threshold", arguments.threshold, "A:B",
+      "Of a mesh of cells, in a picture, with --mesh or --boundary: only cells whose values lie "
+      "from A to B at all corners; without another focus accurate where the field may be in it");
+  add("--region", arguments.regions, "NAME",
+      "Only cells of a region (block, material, zone) of a mesh of cells, by its name or number "
+      "(info lists them), and accurate in these alone: --max-cells counts the whole mesh, most of "
+      "it spent there; may be repeated");
+  add("--field-range", arguments.field_ranges, "A:B",
+      "Accurate where the field may be from A to B; may be repeated");
+  group = "Focus and budget";
+  add("--box", arguments.boxes, "X0,X1,Y0,Y1,Z0,Z1",
+      "Accurate in a box (of terrain X0,X1,Y0,Y1); may be repeated (crops nothing)");
+  add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
+  add("--half-space", arguments.half_spaces, "X,Y,Z:NX,NY,NZ",
+      "Accurate on the side of a plane that its normal points to; may be repeated");
+  add("--view", arguments.view, "CAMERA.json",
+      "Accurate where a camera sees it (as render --save-camera writes them; of a picture of a "
+      "mesh of cells its --camera unless it is deformed)");
+  add("--view-size", arguments.view_size, "WxH",
+      "Pixels of the view (default: 1920x1080, or the picture's)");
+  add("--max-space-error", arguments.max_space_error, "D",
+      "Tolerance in space, of a mesh of cells built with --space-errors: how far from its place a "
+      "value may be, world units, by an estimate; without --max-error values may be off by any");
+  add("--max-error-outside", arguments.max_error_outside, "E",
+      "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of terrain "
+      "and of a mesh of cells also with % (default: any)");
+  add("--max-cells", arguments.max_cells, "N",
+      "At most N simplices, before cells are cut by --clip or where the data end; of a volume's "
+      "--mesh N cells as they are written; without --max-error, as accurate as they allow");
+  add("--deadline-ms", arguments.deadline_ms, "T",
+      "The best answer that is ready T milliseconds after the file is open; of a picture its mesh, "
+      "which is drawn after that");
+}
+
 void add_query_options(CLI::App& app, QueryArguments& arguments) {
   const char* group = "Meshes and sections";
   const auto add = [&](const char* name, auto& value, const char* type, const char* help) {
@@ -122,50 +174,22 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
                "Write the outer faces of a mesh of cells: triangles with values and errors")
       ->group(group);
   add("--section", arguments.sections, "X,Y,Z:NX,NY,NZ",
-      "Write the plane through a point, by its normal: triangles with values and errors, or with "
-      "--isovalue the lines on it; may be repeated of a mesh of cells");
-  add("--threshold", arguments.threshold, "A:B",
-      "With --mesh or --boundary of a mesh of cells: only cells whose values lie from A to B at "
-      "all "
-      "corners; without another focus accurate where the field may be in it");
+      "Write the plane through a point, by its normal, or A,B,C,D: where A x + B y + C z = D; "
+      "triangles with values and errors, or with --isovalue the lines on it; may be repeated of a "
+      "mesh of cells");
   add("--opacity", arguments.opacity, "PRESET|FILE",
       "With --mesh or --boundary of a mesh of cells: accurate as far as render's --opacity shows "
       "it; errors count as much as the extinction is of the largest");
   add_warp_options(app, arguments.warp);
-  add("--region", arguments.regions, "NAME",
-      "Only cells of a region (block, material, zone) of a mesh of cells, by its name or number "
-      "(info lists them), and accurate in these alone: --max-cells counts the whole mesh, most of "
-      "it spent there; may be repeated");
   add("--patch", arguments.patches, "NAME",
       "With --boundary of a mesh of cells: only faces of a patch, by its name or number (info "
       "lists "
       "them); may be repeated");
-  add("--field-range", arguments.field_ranges, "A:B",
-      "Accurate where the field may be from A to B; may be repeated");
+  add_focus_options(app, arguments);
   group = "Focus and budget";
-  add("--box", arguments.boxes, "X0,X1,Y0,Y1,Z0,Z1",
-      "Accurate in a box (of terrain X0,X1,Y0,Y1); may be repeated (crops nothing)");
-  add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
-  add("--half-space", arguments.half_spaces, "X,Y,Z:NX,NY,NZ",
-      "Accurate on the side of a plane that its normal points to; may be repeated");
-  add("--view", arguments.view, "CAMERA.json",
-      "Accurate where a camera sees it (as render --save-camera writes them)");
-  add("--view-size", arguments.view_size, "WxH", "Pixels of the view (default: 1920x1080)");
   add("--max-error-px", arguments.max_error_px, "P",
       "Tolerance in pixels of the view, by an estimate of distances, which meshes of cells have "
-      "that "
-      "are built with --space-errors; of terrain a bound, of vertical errors");
-  add("--max-space-error", arguments.max_space_error, "D",
-      "Tolerance in space, of a mesh of cells built with --space-errors: how far from its place a "
-      "value may be, world units, by an estimate; without --max-error values may be off by any");
-  add("--max-error-outside", arguments.max_error_outside, "E",
-      "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of terrain "
-      "and of a mesh of cells also with % (default: any)");
-  add("--max-cells", arguments.max_cells, "N",
-      "At most N simplices, before cells are cut by --clip or where the data end; of a volume's "
-      "--mesh N cells as they are written; without --max-error, as accurate as they allow");
-  add("--deadline-ms", arguments.deadline_ms, "T",
-      "The best answer that is ready T milliseconds after the file is open");
+      "that are built with --space-errors; of terrain a bound, of vertical errors");
 }
 
 Result<View> to_view(const QueryArguments& arguments) {
@@ -193,7 +217,9 @@ Result<std::optional<double>> to_deadline(const QueryArguments& arguments) {
 
 Result<void> add_space_tolerances(const QueryArguments& arguments, Query& query) {
   if (!arguments.max_error_px.empty() && arguments.view.empty())
-    return fail("--max-error-px: expected --view with it, which says how large pixels are");
+    return fail(
+        "--max-error-px: expected --view with it, or of a picture --camera, which says how large "
+        "pixels are");
   LODE_TRY(query.max_error_px, parse_limit("--max-error-px", arguments.max_error_px));
   LODE_TRY(query.max_world_error, parse_limit("--max-space-error", arguments.max_space_error));
   const bool is_in_space = !query.max_error && (query.max_error_px || query.max_world_error);
@@ -213,12 +239,11 @@ Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells) {
     return fail("--threshold: expected --mesh or --boundary with it, got neither");
   if (!arguments.opacity.empty() && !arguments.is_mesh && !arguments.is_boundary)
     return fail("--opacity: expected --mesh or --boundary with it, got neither");
-  if (!arguments.view_size.empty() && arguments.view.empty())
-    return fail("--view-size: expected --view with it");
   if (!is_of_cells && !arguments.max_space_error.empty())
     return fail(
         "--max-space-error: expected a mesh of cells with it; of a volume's surface --max-distance "
         "is a bound");
+  LODE_CHECK(check_view_size(arguments));
   if (arguments.is_wanted()) {
     if (is_of_cells) return {};
     for (const auto& [name, is_set] : {std::pair{"--view", !arguments.view.empty()},
@@ -232,9 +257,8 @@ Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells) {
   return {};
 }
 
-Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
-                                    const ExtractionArguments& extraction, const char* answer) {
-  if (!arguments.sections.empty()) return fail("{}: expected no --section with it", answer);
+Result<Query> to_query(const QueryArguments& arguments, const ExtractionArguments& extraction,
+                       const char* answer) {
   LODE_CHECK(check_surface_options(extraction, answer));
   LODE_TRY(const ExtractOptions surface, to_extract_options(extraction));
   Query query;
@@ -242,14 +266,31 @@ Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
   query.max_error = surface.max_error;
   LODE_TRY(query.field_ranges, parse_field_ranges(arguments.field_ranges));
   LODE_CHECK(add_foci(arguments, query));
-  LODE_TRY(const auto outside, parse_limit("--max-error-outside", arguments.max_error_outside));
-  if (!outside) return MeshOptions{query};
-  if (query.isovalues.empty() && query.field_ranges.empty() && query.boxes.empty() &&
-      query.balls.empty() && query.half_spaces.empty() && arguments.view.empty())
-    return fail(
-        "--max-error-outside: expected --isovalue, --field-range, --box, --ball, --half-space or "
-        "--view with it");
-  query.max_error_outside = outside;
+  LODE_TRY(query.max_error_outside,
+           parse_limit("--max-error-outside", arguments.max_error_outside));
+  return query;
+}
+
+Result<void> check_outside(const Query& query) {
+  const bool has_values = !query.isovalues.empty() || !query.field_ranges.empty();
+  const bool has_places = !query.boxes.empty() || !query.balls.empty() ||
+                          !query.half_spaces.empty() || !query.sections.empty() || query.view;
+  if (!query.max_error_outside || has_values || has_places) return {};
+  return fail(
+      "--max-error-outside: expected a focus with it, such as --isovalue, --field-range, --box, "
+      "--ball, --half-space or --view, outside of which it holds");
+}
+
+Result<void> check_view_size(const QueryArguments& arguments) {
+  if (arguments.view_size.empty() || !arguments.view.empty()) return {};
+  return fail("--view-size: expected --view with it");
+}
+
+Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
+                                    const ExtractionArguments& extraction) {
+  if (!arguments.sections.empty()) return fail("--mesh: expected no --section with it");
+  LODE_TRY(const Query query, to_query(arguments, extraction, "--mesh"));
+  LODE_CHECK(check_outside(query));
   return MeshOptions{query};
 }
 
@@ -278,7 +319,7 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
 Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments) {
   std::vector<SectionPlane> planes;
   for (const std::string& text : arguments.sections) {
-    LODE_TRY(const SectionPlane plane, parse_plane_of("--section", text));
+    LODE_TRY(const SectionPlane plane, parse_section(text));
     planes.push_back(plane);
   }
   return planes;

@@ -35,6 +35,7 @@ struct QueryArguments {
   std::string max_space_error;
   std::string deadline_ms;
 
+  friend bool operator==(const QueryArguments&, const QueryArguments&) = default;
   /// Whether the answer is a mesh, its boundary or a section, and no isosurface.
   [[nodiscard]] bool is_wanted() const { return is_mesh || is_boundary || !sections.empty(); }
   /// Whether it is a surface, but not equally good everywhere.
@@ -45,7 +46,11 @@ struct QueryArguments {
   }
 };
 
+/// All of them, as `extract` has them.
 void add_query_options(CLI::App& app, QueryArguments& arguments);
+/// Those that say where an answer is fine, what is left out, and how large it gets or how long it
+/// takes: all that pictures have, too.
+void add_focus_options(CLI::App& app, QueryArguments& arguments);
 
 /// Refuses options that the wanted kind of answer does not have. Meshes of cells have views and
 /// deadlines of all kinds.
@@ -64,10 +69,16 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 
-/// `answer`: what asks for it, in messages.
+/// Of boxes and the like, values and budget. `answer`: what asks for it, in messages. The view's
+/// camera and the transfer function are in files.
+[[nodiscard]] Result<Query> to_query(const QueryArguments& arguments,
+                                     const ExtractionArguments& extraction, const char* answer);
+/// Refuses --max-error-outside of a query that is as fine everywhere.
+[[nodiscard]] Result<void> check_outside(const Query& query);
+/// Refuses --view-size of no view.
+[[nodiscard]] Result<void> check_view_size(const QueryArguments& arguments);
 [[nodiscard]] Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
-                                                  const ExtractionArguments& extraction,
-                                                  const char* answer = "--mesh");
+                                                  const ExtractionArguments& extraction);
 /// With a plane at least; the first one is the options'.
 [[nodiscard]] Result<SectionOptions> to_section_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);

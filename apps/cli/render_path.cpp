@@ -45,8 +45,9 @@ void add_path_options(CLI::App& app, PathArguments& arguments) {
   add("--frames", arguments.frames, "DIR",
       "Draw a frame for each camera, frame-0000.png and so on, to a new or empty directory");
   add("--max-error-px", arguments.max_error_px, "P",
-      "Tolerance of these frames in pixels, by an estimate of distances (default: 1); of terrain "
-      "of the picture, proven, by a model whose tolerances vary");
+      "Tolerance of these frames in pixels, by an estimate of distances (default: 1); of a picture "
+      "of terrain, proven, by a model whose tolerances vary; of one of a mesh of cells built with "
+      "--space-errors, by an estimate, with --camera or --view");
 }
 
 Result<void> check_path(const PathArguments& arguments, const ExtractionArguments& extraction) {
@@ -55,7 +56,7 @@ Result<void> check_path(const PathArguments& arguments, const ExtractionArgument
                 arguments.path.empty() ? "--camera-path" : "--frames");
   LODE_CHECK(parse_pixels(arguments.max_error_px));
   if (!arguments.is_wanted() && !arguments.max_error_px.empty())
-    return fail("--max-error-px: expected --camera-path with it, or terrain");
+    return fail("--max-error-px: expected --camera-path with it, terrain or a mesh of cells");
   if (!arguments.is_wanted()) return {};
   LODE_TRY(const ExtractOptions options, to_extract_options(extraction));
   if (options.isovalues.size() != 1)

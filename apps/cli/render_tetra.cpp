@@ -1,14 +1,12 @@
 #include "render_tetra.h"
 
-#include <cmath>
+#include <utility>
 
 #include "outputs.h"
-#include "parse.h"
-#include "query_options.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
+#include "tetra_query_options.h"
 #include "text.h"
-#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -17,37 +15,29 @@ constexpr double kBoundaryOpacity = 0.12;
 constexpr double kWireWidth = 1;
 constexpr int kVolumeSamples = 4;  // A volume alone has soft edges but for its border.
 
-/// A point and a normal as elsewhere, or A,B,C,D: where A x + B y + C z = D.
-Result<SectionPlane> parse_plane(const std::string& text) {
-  SectionPlane plane;
-  const std::size_t colon = text.find(':');
-  if (colon != std::string::npos) {
-    LODE_TRY(plane.point, parse_vector("--section", text.substr(0, colon)));
-    LODE_TRY(plane.normal, parse_vector("--section", text.substr(colon + 1)));
-  } else {
-    LODE_TRY(const auto n, parse_numbers("--section", text));
-    if (n.size() != 4)
-      return fail("--section: expected a plane as A,B,C,D or X,Y,Z:NX,NY,NZ, got '{}'", text);
-    plane.normal = {{n[0], n[1], n[2]}};
-    plane.point = plane.normal * (n[3] / dot(plane.normal, plane.normal));
-  }
-  for (const double number : plane.point.v)
-    if (!std::isfinite(number)) return fail("--section: expected a normal, got '{}'", text);
-  if (!(length(plane.normal) > 0) || !std::isfinite(length(plane.normal)))
-    return fail("--section: expected a normal whose length is a number above 0, got '{}'", text);
-  return plane;
+/// Without another, the view is that of the picture's camera: what it does not show may be coarse.
+/// Not of a deformed mesh, whose cells are where the hierarchy does not know.
+QueryArguments with_own_view(const TetraPictureJob& job) {
+  QueryArguments arguments = job.picture.query;
+  arguments.max_error_px = job.max_error_px;
+  if (!arguments.view.empty() || job.camera.empty() || arguments.warp.is_wanted()) return arguments;
+  arguments.view = job.camera;
+  arguments.view_size = fmt::format("{}x{}", job.options.width, job.options.height);
+  return arguments;
 }
 
 /// What of the mesh is wanted, and what is shown.
-Result<Query> to_query(const TetraPictureJob& job, const MeshPictureOptions& picture) {
-  LODE_TRY(const QueryArguments arguments, without_share(job.picture.query));
-  LODE_TRY(MeshOptions typed, to_mesh_options(arguments, job.extraction, "mesh of cells"));
-  const Query shown = query_of(picture);
-  Query query = std::move(typed.query);
-  query.isovalues = shown.isovalues;
-  query.opacity = shown.opacity;
-  query.sections = shown.sections;
-  return query;
+Result<TetraMeshOptions> to_picture_query(const TetraPictureJob& job,
+                                          const MeshPictureOptions& picture) {
+  LODE_CHECK(check_view_size(job.picture.query));
+  LODE_TRY(TetraMeshOptions options,
+           to_tetra_query(with_own_view(job), job.extraction, "mesh of cells"));
+  Query shown = query_of(picture);
+  options.query.isovalues = std::move(shown.isovalues);
+  options.query.opacity = std::move(shown.opacity);
+  options.query.sections = std::move(shown.sections);
+  LODE_CHECK(check_outside(options.query));
+  return options;
 }
 
 /// But for the transfer function, which may need the mesh.
@@ -55,18 +45,15 @@ Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
   MeshPictureOptions options;
   LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
   options.render = job.options;
-  if (job.is_default_samples && extraction.isovalues.empty() && job.picture.sections.empty() &&
-      !job.picture.has_wireframe && !job.picture.has_points)
+  if (job.is_default_samples && extraction.isovalues.empty() &&
+      job.picture.query.sections.empty() && !job.picture.has_wireframe && !job.picture.has_points)
     options.render.samples_per_pixel = kVolumeSamples;
   options.isovalues = extraction.isovalues;
   options.has_wireframe = job.picture.has_wireframe;
   options.has_points = job.picture.has_points;
   options.boundary_opacity = job.picture.has_boundary ? kBoundaryOpacity : 0;
   if (options.has_wireframe) options.render.line_width_px = kWireWidth;
-  for (const std::string& text : job.picture.sections) {
-    LODE_TRY(const SectionPlane plane, parse_plane(text));
-    options.sections.push_back(plane);
-  }
+  LODE_TRY(options.sections, to_planes(job.picture.query));
   return options;
 }
 
@@ -77,8 +64,10 @@ std::vector<std::string> outputs_of(const TetraPictureJob& job) {
 
 /// How the picture came to be.
 struct TetraPicture {
-  MeshReport mesh;
-  MeshPictureReport picture;
+  MeshReport mesh{};
+  MeshPictureReport picture{};
+  bool has_outside = false;  ///< Some of the mesh is out of sight, or has a tolerance of its own.
+  bool is_left_out = false;  ///< Some of it may be, by a threshold or regions.
 };
 
 Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
@@ -92,9 +81,9 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["outputs"] = outputs_of(job);
   json["model"] = "tetra_mt";
   json["field"] = field.name;
-  json["max_error"] = made.mesh.max_error;
+  json["max_error"] = max_error_json(made.mesh.max_error);
   json["achieved_error"] = made.mesh.achieved_error;
-  if (!job.picture.opacity.empty()) json["opacity"] = job.picture.opacity;
+  if (!job.picture.query.opacity.empty()) json["opacity"] = job.picture.query.opacity;
   json["largest_error"] = made.mesh.largest_error;
   json["error_kind"] = name_of(field.error_place);
   json["cells"] = made.mesh.n_cells;
@@ -102,7 +91,9 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["triangles"] = made.picture.n_triangles;
   json["section_triangles"] = made.picture.n_section_triangles;
   json["lines"] = made.picture.n_lines;
+  if (made.is_left_out) json["left_out"] = made.mesh.n_left_out;
   json["budget_met"] = made.mesh.budget_met;
+  json["is_settled"] = made.mesh.is_settled;
   json["camera"] = camera_json(made.picture.camera);
   json["seconds"] = {
       {"open", input.seconds}, {"extract", made.mesh.seconds}, {"render", made.picture.seconds}};
@@ -110,15 +101,19 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
                                   format_number(field.range_max))});
   add_reading(input, table, json);
-  table.add({"max error", format_number(made.mesh.max_error)});
+  table.add({"max error", describe_max_error(made.mesh.max_error)});
   table.add({"achieved error", format_number(made.mesh.achieved_error) + ' ' +
                                    name_of(field.error_place) +
-                                   (job.picture.opacity.empty() ? "" : kWhereShown)});
-  if (!job.picture.query.max_error_outside.empty())
+                                   (job.picture.query.opacity.empty() ? "" : kWhereShown)});
+  add_space_error(with_own_view(job), {made.mesh.achieved_world_error, made.mesh.achieved_px},
+                  table, json);
+  if (made.has_outside)
     table.add({"error anywhere",
                format_number(made.mesh.largest_error) + ' ' + name_of(field.error_place)});
+  add_deadline(made.mesh.is_settled, table);
   table.add({"cells",
              fmt::format("{} of {}", format_count(made.mesh.n_cells), format_count(info.n_cells))});
+  if (made.is_left_out) table.add({"cells left out", format_count(made.mesh.n_left_out)});
   if (made.picture.n_triangles > 0)
     table.add({"triangles", format_count(made.picture.n_triangles)});
   if (made.picture.n_section_triangles > 0)
@@ -138,37 +133,31 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   LODE_TRY(MeshPictureOptions options, to_picture(job));
   const TetraInfo& info = input.dataset.describe();
   options.colors = {input.field().range_min, input.field().range_max};
-  if (!job.picture.opacity.empty()) {
+  if (!job.picture.query.opacity.empty()) {
     LODE_TRY(options.opacity,
-             to_transfer_function(job.picture.opacity, info.bounds, options.colors));
+             to_transfer_function(job.picture.query.opacity, info.bounds, options.colors));
     if (options.colors.low == options.colors.high)
       session.warn(fmt::format("the field has one value, {}: its volume has one colour, or none",
                                format_number(options.colors.low)));
   }
-  LODE_TRY(Query query, to_query(job, options));
-  set_share(job.extraction.max_error, input.field().range_min, input.field().range_max,
-            query.max_error);
-  set_share(job.picture.query.max_error_outside, input.field().range_min, input.field().range_max,
-            query.max_error_outside);
+  LODE_TRY(TetraMeshOptions wanted, to_picture_query(job, options));
+  set_shares(job.extraction, job.picture.query, input.field(), wanted.query);
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }
-  options.render.threads = session.threads();
-  auto regions = find_regions(info, job.picture.query.regions);
-  if (!regions) return fail("{}: {}", job.input, regions.error().message);
-  TetraPicture made;
+  options.render.threads = wanted.threads = session.threads();
+  LODE_TRY(wanted.regions, wanted_regions(job.input, info, job.picture.query));
+  wanted.fields = input.fields;
+  TetraPicture made{.has_outside = wanted.query.max_error_outside || wanted.query.view,
+                    .is_left_out = wanted.threshold || !wanted.regions.empty()};
   SimplexMesh mesh;
-  LODE_TRY(made.mesh, input.dataset.extract_mesh({.query = query,
-                                                  .threshold = {},
-                                                  .regions = std::move(*regions),
-                                                  .threads = session.threads(),
-                                                  .fields = input.fields},
-                                                 mesh, session.progress()));
-  if (!made.mesh.budget_met)
-    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
-                             made.mesh.n_cut_cells));
+  LODE_TRY(made.mesh, input.dataset.extract_mesh(wanted, mesh, session.progress()));
+  warn_of_budget(session, made.mesh);
+  if (mesh.is_empty())
+    session.warn(wanted.threshold ? "the picture is empty: no cell of the cut lies in the threshold"
+                                  : "the picture is empty: the mesh has no cell");
   LODE_TRY(const std::uint64_t n_inverted,
-           apply_warp(job.picture.warp, job.reading, session.threads(), mesh));
+           apply_warp(job.picture.query.warp, job.reading, session.threads(), mesh));
   warn_of_inverted(session, n_inverted);
   LODE_TRY(const Image image, draw_mesh(mesh, options, made.picture, session.progress()));
   for (const double isovalue : made.picture.unmet)
@@ -184,18 +173,18 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
 }  // namespace
 
 void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) {
-  add_warp_options(app, arguments.warp);
+  add_warp_options(app, arguments.query.warp);
   const auto add = [&](const char* name, auto& value, const char* type, const char* help) {
     app.add_option(name, value, help)
         ->type_name(type)
         ->allow_extra_args(false)
         ->group("Meshes of cells");
   };
-  add("--opacity", arguments.opacity, "PRESET|FILE",
+  add("--opacity", arguments.query.opacity, "PRESET|FILE",
       "Direct volume rendering: viridis-smoke, smoke, bands, solid, clear-middle, or a file of "
       "lines 'value red green blue extinction'; the tolerance holds where the extinction is the "
       "largest, elsewhere errors count in proportion");
-  add("--section", arguments.sections, "A,B,C,D",
+  add("--section", arguments.query.sections, "A,B,C,D",
       "Show the plane A x + B y + C z = D, or X,Y,Z:NX,NY,NZ; may be repeated");
   const auto add_flag = [&](const char* name, bool& value, const char* help) {
     app.add_flag(name, value, help)->group("Meshes of cells");
@@ -203,27 +192,14 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   add_flag("--boundary", arguments.has_boundary, "Show the mesh's boundary as a thin film");
   add_flag("--wireframe", arguments.has_wireframe, "Show all edges of the mesh");
   add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
-  add("--max-cells", arguments.query.max_cells, "N",
-      "At most N tetrahedra; without --max-error, as accurate as they allow");
-  add("--region", arguments.query.regions, "NAME",
-      "Show only cells of a region (block, material, zone), by its name or number, and be accurate "
-      "in these alone: --max-cells counts the whole mesh, most of it spent there; may be repeated");
-  add("--field-range", arguments.query.field_ranges, "A:B",
-      "Accurate where the field may be from A to B; may be repeated");
-  add("--box", arguments.query.boxes, "X0,X1,Y0,Y1,Z0,Z1",
-      "Accurate in a box; may be repeated (crops nothing)");
-  add("--ball", arguments.query.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
-  add("--half-space", arguments.query.half_spaces, "X,Y,Z:NX,NY,NZ",
-      "Accurate on the side of a plane that its normal points to; may be repeated");
-  add("--max-error-outside", arguments.query.max_error_outside, "E",
-      "Tolerance outside of these, likewise in field units or with % (default: any)");
+  add_focus_options(app, arguments.query);
 }
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
-  LODE_CHECK(check_warp(job.picture.warp));
+  LODE_CHECK(check_warp(job.picture.query.warp));
   LODE_TRY(const MeshPictureOptions options, to_picture(job));
-  LODE_CHECK(to_query(job, options));
-  if (!job.reading.with.empty() && !job.picture.warp.is_wanted())
+  LODE_CHECK(to_picture_query(job, options));
+  if (!job.reading.with.empty() && !job.picture.query.warp.is_wanted())
     return fail("--with: expected none with a picture, which shows one field, got {}",
                 job.reading.with.front());
   if (options.isovalues.empty() && !job.picture.is_of_mesh())
@@ -233,18 +209,17 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
         job.input);
   LODE_CHECK(check_extension(job.output, ".png"));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
-  std::vector<std::string> inputs{job.input};
+  LODE_CHECK(check_opacity(job.picture.query.opacity));
+  std::vector<std::string> inputs = files_of(job.picture.query);
+  inputs.push_back(job.input);
   if (!job.camera.empty()) inputs.push_back(job.camera);
-  LODE_CHECK(check_opacity(job.picture.opacity));
-  if (!job.picture.opacity.empty() && !is_transfer_preset(job.picture.opacity))
-    inputs.push_back(job.picture.opacity);
   return check_paths_differ(inputs, outputs_of(job));
 }
 
 Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) {
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   LODE_TRY(const TetraInput input,
-           open_tetra_input(job.input, with_warp(job.reading, job.picture.warp), session));
+           open_tetra_input(job.input, reading_for(job.reading, with_own_view(job)), session));
   LODE_TRY(const TetraPicture made, draw_picture(job, input, session));
   return picture_outcome(job, input, made, session);
 }

@@ -14,22 +14,17 @@ namespace lode::cli {
 
 /// The options of `lode render` that only meshes of cells have, as typed.
 struct TetraPictureArguments {
-  std::string opacity;
-  std::vector<std::string> sections;
-  QueryArguments query;  ///< Foci, regions and the budget, as of `extract`; nothing else.
-  WarpArguments warp;
+  QueryArguments query;  ///< With sections, opacity and warp; neither --mesh nor --boundary.
   bool has_boundary = false;
   bool has_wireframe = false;
   bool has_points = false;
 
   /// Whether all of the mesh is shown, and not isosurfaces alone.
   [[nodiscard]] bool is_of_mesh() const {
-    return !opacity.empty() || !sections.empty() || has_boundary || has_wireframe || has_points;
+    return !query.opacity.empty() || !query.sections.empty() || has_boundary || has_wireframe ||
+           has_points;
   }
-  [[nodiscard]] bool is_empty() const {
-    return !is_of_mesh() && warp.is_empty() && query.regions.empty() &&
-           query.field_ranges.empty() && !query.is_focused();
-  }
+  [[nodiscard]] bool is_empty() const { return !is_of_mesh() && query == QueryArguments(); }
 };
 
 void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments);
@@ -43,7 +38,8 @@ struct TetraPictureJob {
   const ExtractionArguments& extraction;
   const ReadingArguments& reading;
   const TetraPictureArguments& picture;
-  RenderOptions options;  ///< All but the camera.
+  const std::string& max_error_px;  ///< Of the view, or of the picture; as given.
+  RenderOptions options;            ///< All but the camera.
   bool is_default_samples = true;
 };
 

@@ -17,6 +17,7 @@ struct WarpArguments {
 
   [[nodiscard]] bool is_wanted() const { return !field.empty(); }
   [[nodiscard]] bool is_empty() const { return field.empty() && scale.empty(); }
+  friend bool operator==(const WarpArguments&, const WarpArguments&) = default;
 };
 
 void add_warp_options(CLI::App& app, WarpArguments& arguments);

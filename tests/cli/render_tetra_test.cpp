@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "tests/cli/program.h"
+#include "tests/cli/tetra_fixture.h"
 
 namespace lode::test {
 namespace {
@@ -108,6 +108,90 @@ TEST_F(cli_render_tetra, is_fine_where_it_is_asked_to_be) {
   expect_refused({"--boundary", "--region", "one"}, "regions: expected");
 }
 
+/// The same of waves on 25^3 points, in a .lode file.
+class cli_render_waves : public cli_render_tetra {
+ protected:
+  cli_render_waves() {
+    Progress progress;
+    const std::string mesh = scratch_ / "waves.vtu";
+    EXPECT_TRUE(write_vtu(mesh, waves(25), {.value_name = "wave"}, progress));
+    input_ = scratch_ / "waves.lode";
+    EXPECT_EQ(run_lode({"build", mesh, input_}).exit_code, 0);
+  }
+};
+
+TEST_F(cli_render_waves, are_as_fine_outside_of_foci_as_is_said) {
+  const auto largest = [&](const Words& shown, const Words& outside) {
+    Words words = shown;
+    words.insert(words.end(), outside.begin(), outside.end());
+    const nlohmann::json json = report(words);
+    EXPECT_LE(json.at("achieved_error"), json.at("max_error"));
+    return json.at("largest_error").get<double>();
+  };
+  // Of sections the planes are the focus.
+  for (const Words& shown : {Words{"--section", "0,0,1,0.3"}}) {
+    Words words = shown;
+    words.insert(words.end(), {"--max-error", "0.1"});
+    EXPECT_GT(largest(words, {}), 0.2) << shown[0];
+    EXPECT_LE(largest(words, {"--max-error-outside", "0.2"}), 0.2) << shown[0];
+  }
+}
+
+TEST_F(cli_render_waves, are_fine_where_their_own_camera_or_another_looks) {
+  const std::string near = scratch_ / "near.json";
+  write_bytes(near, R"({"eye": [-30, -20, 2], "target": [2, 2, 2], "up": [0, 0, 1],
+                        "field_of_view_deg": 4})");
+  const std::string far = scratch_ / "far.json";
+  write_bytes(far, R"({"eye": [-60, -45, 2], "target": [12, 12, 12], "up": [0, 0, 1],
+                       "field_of_view_deg": 60})");
+  const auto look = [&](const std::string& tolerance, const Words& options) {
+    Words words{"--isovalue", "2.6", "--max-error", tolerance};
+    words.insert(words.end(), options.begin(), options.end());
+    return report(words);
+  };
+  for (const char* const tolerance : {"0", "0.5"}) {
+    const nlohmann::json whole = look(tolerance, {"--camera", near, "--view", far});
+    const std::string picture = read_bytes(output_);
+    const nlohmann::json part = look(tolerance, {"--camera", near});
+    EXPECT_EQ(read_bytes(output_), picture);  // What is coarse is out of sight.
+    EXPECT_LT(part.at("cells"), whole.at("cells"));
+    EXPECT_LE(part.at("achieved_error"), std::stod(tolerance));
+    const auto cells = [&](const Words& options) { return look(tolerance, options).at("cells"); };
+    EXPECT_EQ(cells({"--camera", far, "--view", near, "--view-size", "60x50"}), part.at("cells"));
+    EXPECT_EQ(cells({"--view", near, "--view-size", "60x50"}), part.at("cells"));
+    // The size of the picture is that of the view.
+    EXPECT_GT(cells({"--camera", near, "--view", near, "--view-size", "200x40"}), part.at("cells"));
+  }
+  EXPECT_GT(look("0.1", {"--camera", near}).at("largest_error"), 0.2);
+  EXPECT_LE(look("0.1", {"--camera", near, "--max-error-outside", "0.2"}).at("largest_error"), 0.2);
+  expect_refused({"--boundary", "--view-size", "60x50"}, "--view-size: expected --view");
+  expect_refused({"--boundary", "--camera", near, "--view-size", "6x5"}, "--view-size: expected");
+  expect_refused({"--boundary", "--view", scratch_ / "none.json"}, "none.json");
+  expect_refused({"--boundary", "--camera", near, "--max-error-px", "1"},
+                 "--max-error-px: expected --max-error with a mesh of cells");
+}
+
+TEST_F(cli_render_tetra, shows_what_is_in_a_threshold_and_what_a_deadline_leaves_time_for) {
+  const nlohmann::json warm = report({"--boundary", "--threshold", "2:5", "--max-error", "0"});
+  const Finished extracted = run_lode({"extract", input_, scratch_ / "out.vtu", "--mesh",
+                                       "--threshold", "2:5", "--max-error", "0", "--json"});
+  for (const char* const key : {"cells", "left_out", "achieved_error"})
+    EXPECT_EQ(warm.at(key), extracted.json().at(key)) << key;
+  EXPECT_GT(warm.at("cells"), 100);
+  EXPECT_GT(warm.at("left_out"), 100);
+  const nlohmann::json none = report({"--boundary", "--isovalue", "4", "--threshold", "90:91"});
+  EXPECT_EQ(none.at("cells"), 0);
+  EXPECT_EQ(none.at("warnings").size(), 2U);
+  expect_refused({"--boundary", "--threshold", "5:2"}, "--threshold: expected A <= B");
+  const nlohmann::json whole = report({"--boundary", "--deadline-ms", "60000"});
+  EXPECT_EQ(whole.at("cells"), whole.at("reference_cells"));
+  EXPECT_TRUE(whole.at("is_settled"));
+  const nlohmann::json base = report({"--boundary", "--deadline-ms", "0"});
+  EXPECT_FALSE(base.at("is_settled"));
+  EXPECT_LT(base.at("cells").get<int>(), whole.at("cells").get<int>() / 10);
+  expect_refused({"--boundary", "--deadline-ms", "-1"}, "--deadline-ms");
+}
+
 TEST_F(cli_render_tetra, reads_transfer_functions_from_files_and_looks_through_saved_cameras) {
   const std::string knots = scratch_ / "knots.txt";
   write_bytes(knots, "0 1 0 0 0.1\n5 1 1 1 2 # bright\n");
@@ -135,6 +219,12 @@ TEST_F(cli_render_tetra, says_what_it_does_not_draw) {
   write_ball(ball);
   const Finished run = run_lode({"render", ball, output_, "--isovalue", "9", "--opacity", "smoke"});
   EXPECT_NE(run.err.find("expected a mesh of cells"), std::string::npos) << run.err;
+  for (const Words& words :
+       {Words{"--threshold", "1:2"}, {"--deadline-ms", "9"}, {"--view", "c.json"}}) {
+    Words all{"render", ball, output_, "--isovalue", "9"};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_NE(run_lode(all).err.find("expected a mesh of cells"), std::string::npos) << words[0];
+  }
 }
 
 }  // namespace

@@ -171,6 +171,12 @@ TEST_F(cli_tetra, cuts_sections_of_the_reference_and_of_cuts_that_are_fine_along
     EXPECT_LT(json.at("cut_cells"), 12 * 12 * 12 * 6 / 2);
     EXPECT_TRUE(check_topology(coarse, {}).is_clean_manifold());
   }
+  // A plane by its equation.
+  const Surface by_point = extract({"--section", "0,0,3.3:0.5,0,2", "--max-error", "0"}, json);
+  EXPECT_EQ(
+      oracles::sorted_triangles(extract({"--section", "0.5,0,2,6.6", "--max-error", "0"}, json))
+          .size(),
+      by_point.triangles.size());
   const std::vector<std::string> two{"--section", "0,0,3.3:0,0,1", "--section", "6.1,0,0:1,0,0"};
   EXPECT_EQ(check_topology(extract(two, json), {}).components.size(), 2U);
   const Surface lines =

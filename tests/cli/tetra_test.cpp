@@ -287,6 +287,8 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, surface, "--isovalue", "3", "--threshold", "1:2"},
           "expected --mesh or --boundary");
   refused({"extract", input_, output_, "--mesh", "--threshold", "2:1"}, "expected A <= B");
+  refused({"extract", input_, output_, "--mesh", "--max-error-outside", "1"},
+          "--max-error-outside: expected a focus");
   refused({"extract", input_, surface, "--isovalue", "3", "--style", "cubes"}, "--style");
   refused({"extract", input_, surface, "--isovalue", "3", "--simplify"}, "--simplify");
   refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "3.00000001"},

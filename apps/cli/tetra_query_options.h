@@ -1,0 +1,60 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "query_options.h"
+#include "tetra_input.h"
+
+namespace lode::cli {
+
+// What `extract` and `render` ask of a mesh of cells alike.
+
+/// The query but for what a transfer function shows and what needs the field: see set_shares() and
+/// wanted_regions(). Reads the view's camera. `answer`: what asks for it, in messages.
+[[nodiscard]] Result<TetraMeshOptions> to_tetra_query(const QueryArguments& arguments,
+                                                      const ExtractionArguments& extraction,
+                                                      const char* answer);
+
+/// Of tolerances that are shares of the range of values.
+void set_shares(const ExtractionArguments& extraction, const QueryArguments& arguments,
+                const TetraFieldInfo& field, Query& query);
+
+/// Numbers of --region's. `path`: of the mesh, for messages.
+[[nodiscard]] Result<std::vector<std::int64_t>> wanted_regions(const std::string& path,
+                                                               const TetraInfo& info,
+                                                               const QueryArguments& arguments);
+
+/// The files that the arguments name: a camera, a transfer function.
+[[nodiscard]] std::vector<std::string> files_of(const QueryArguments& arguments);
+
+/// Where the coarsest mesh has more cells than --max-cells. `Report`: of a mesh or a surface.
+template <typename Report>
+void warn_of_budget(Session& session, const Report& report) {
+  if (!report.budget_met)
+    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
+                             report.n_cut_cells));
+}
+/// Of refinement that a deadline ended.
+void add_deadline(bool is_settled, Table& table);
+
+/// Of a foreign file that is built what its query needs is read and found, too.
+[[nodiscard]] ReadingArguments reading_for(const ReadingArguments& reading,
+                                           const QueryArguments& arguments);
+
+/// Achieved, where they were asked for.
+struct SpaceErrors {
+  std::optional<double> world{};
+  std::optional<double> pixels{};
+};
+void add_space_error(const QueryArguments& arguments, const SpaceErrors& achieved, Table& table,
+                     Json& json);
+/// A tolerance in field units, which there may be none of.
+[[nodiscard]] std::string describe_max_error(double max_error);
+[[nodiscard]] Json max_error_json(double max_error);
+
+}  // namespace lode::cli
