@@ -13,7 +13,6 @@
 #include "render_tetra.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
-#include "tetra_query_options.h"
 #include "text.h"
 #include "tolerance.h"
 #include "vtk_import.h"

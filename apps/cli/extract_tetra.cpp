@@ -194,7 +194,8 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   if (!job.query.is_wanted()) extraction.normals = "on";
   TetraJob made;
   LODE_TRY(made.mesh, to_tetra_query(job.query, extraction, answer));
-  LODE_CHECK(check_outside(made.mesh.query));
+  // What a transfer function shows is known when the field is.
+  if (job.query.opacity.empty()) LODE_CHECK(check_outside(made.mesh.query));
   made.mesh.threads = threads;
   LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
   made.surface = {.query = made.mesh.query,

@@ -152,7 +152,8 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments) {
       "value may be, world units, by an estimate; without --max-error values may be off by any");
   add("--max-error-outside", arguments.max_error_outside, "E",
       "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of terrain "
-      "and of a mesh of cells also with % (default: any)");
+      "and of a mesh of cells also with %; with --opacity of errors as they are, however clear it "
+      "is there (default: any)");
   add("--max-cells", arguments.max_cells, "N",
       "At most N simplices, before cells are cut by --clip or where the data end; of a volume's "
       "--mesh N cells as they are written; without --max-error, as accurate as they allow");
@@ -272,7 +273,8 @@ Result<Query> to_query(const QueryArguments& arguments, const ExtractionArgument
 }
 
 Result<void> check_outside(const Query& query) {
-  const bool has_values = !query.isovalues.empty() || !query.field_ranges.empty();
+  const bool has_values =
+      !query.isovalues.empty() || !query.field_ranges.empty() || !query.opacity.empty();
   const bool has_places = !query.boxes.empty() || !query.balls.empty() ||
                           !query.half_spaces.empty() || !query.sections.empty() || query.view;
   if (!query.max_error_outside || has_values || has_places) return {};

@@ -40,7 +40,7 @@ Result<TetraMeshOptions> to_picture_query(const TetraPictureJob& job,
   return options;
 }
 
-/// But for the transfer function, which may need the mesh.
+/// But for what the transfer function is, which may need the mesh.
 Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
   MeshPictureOptions options;
   LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
@@ -54,6 +54,7 @@ Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
   options.boundary_opacity = job.picture.has_boundary ? kBoundaryOpacity : 0;
   if (options.has_wireframe) options.render.line_width_px = kWireWidth;
   LODE_TRY(options.sections, to_planes(job.picture.query));
+  if (!job.picture.query.opacity.empty()) options.opacity = TransferFunction{{TransferKnot{}}};
   return options;
 }
 

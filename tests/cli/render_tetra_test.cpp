@@ -128,13 +128,17 @@ TEST_F(cli_render_waves, are_as_fine_outside_of_foci_as_is_said) {
     EXPECT_LE(json.at("achieved_error"), json.at("max_error"));
     return json.at("largest_error").get<double>();
   };
-  // Of sections the planes are the focus.
-  for (const Words& shown : {Words{"--section", "0,0,1,0.3"}}) {
+  const std::string knots = scratch_ / "knots.txt";
+  write_bytes(knots, "27 1 1 1 0\n30 1 1 1 1\n");
+  // Of sections the planes are the focus, of transfer functions what is not clear.
+  for (const Words& shown : {Words{"--section", "0,0,1,0.3"}, {"--opacity", knots}}) {
     Words words = shown;
     words.insert(words.end(), {"--max-error", "0.1"});
     EXPECT_GT(largest(words, {}), 0.2) << shown[0];
     EXPECT_LE(largest(words, {"--max-error-outside", "0.2"}), 0.2) << shown[0];
   }
+  expect_refused({"--section", "0,0,1,0.3", "--opacity", knots, "--max-error-outside", "1"},
+                 "--max-error-outside: expected a focus");
 }
 
 TEST_F(cli_render_waves, are_fine_where_their_own_camera_or_another_looks) {

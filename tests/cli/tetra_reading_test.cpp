@@ -126,7 +126,22 @@ TEST_F(cli_tetra_reading, is_as_fine_as_a_transfer_function_shows_it) {
   EXPECT_GE(cells({"--field-range", fmt::format("{}:10", shown - 1e-6)}), alike);
   // Coarser where it shows less.
   write_bytes(knots, fmt::format("{} 1 0 0 0\n{} 1 0 0 1\n", shown, values.back()));
-  EXPECT_LT(cells({"--opacity", knots}), alike);
+  const int coarse = cells({"--opacity", knots});
+  EXPECT_LT(coarse, alike);
+  // No coarser anywhere than is said, however clear it is there.
+  const int bounded = cells({"--opacity", knots, "--max-error-outside", "10%"});
+  const nlohmann::json info = report({"info", model_});
+  const double range = info.at("range")[1].get<double>() - info.at("range")[0].get<double>();
+  EXPECT_GT(bounded, coarse);
+  const auto largest = [&](const Words& outside) {
+    Words words{"extract",     model_, scratch_ / "out.vtu", "--mesh",
+                "--max-error", "1%",   "--opacity",          knots};
+    words.insert(words.end(), outside.begin(), outside.end());
+    return report(words).at("largest_error").get<double>();
+  };
+  EXPECT_GT(largest({}), 0.1 * range);
+  EXPECT_LE(largest({"--max-error-outside", "10%"}), 0.1 * range);
+  EXPECT_EQ(cells({"--opacity", knots, "--max-error-outside", "1%"}), cells({}));
   const Words words{"extract", model_, scratch_ / "out.vtu", "--opacity", "fog"};
   refused(words, "--opacity: expected --mesh or --boundary with it");
   Words wanted = words;
