@@ -29,6 +29,18 @@ Result<double> parse_boundary_tolerance(const std::string& text) {
   return distance;
 }
 
+/// Of the fields; none where none is told. `report`: what the file says.
+Result<std::optional<double>> build_time(const TetraBuildJob& job, const TetraReport& report) {
+  if (job.at.empty()) return std::optional<double>();
+  if (job.at != "file") {
+    LODE_TRY(const double time, parse_number("--at", job.at));
+    return std::optional(time);
+  }
+  if (report.time) return report.time;
+  return fail("--at: expected the time of the fields, as {} does not say its own, got 'file'",
+              job.input);
+}
+
 Json field_json(const TetraFieldInfo& field) {
   Json json{{"name", field.name},
             {"type", name_of(field.type)},
@@ -153,6 +165,10 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
   add_fields("cell field", cells.cell_fields);
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
+  if (made.report.time) {
+    json["time"] = *made.report.time;
+    table.add({"time", format_number(*made.report.time)});
+  }
   json["tetrahedra"] = made.mesh.tetrahedra.size();
   table.add({"as tetrahedra", format_count(made.mesh.tetrahedra.size())});
   add_patches(made.mesh.patches, table, json);
@@ -212,6 +228,7 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
     return fail("--placement midpoint: expected no --keep-extrema with it, which moves vertices");
   if (job.is_everywhere && tolerance > 0)
     return fail("--everywhere: expected no --boundary-tolerance with it, got {}", tolerance);
+  if (!job.at.empty() && job.at != "file") LODE_CHECK(parse_number("--at", job.at));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   return check_paths_differ({job.input}, {job.output});
 }
@@ -226,6 +243,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   options.has_world_errors = job.has_space_errors;
   options.keeps_extrema = job.keeps_extrema;
+  LODE_TRY(options.time, build_time(job, made.report));
   if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;
   LODE_TRY(options.memory_limit, parse_memory_limit(job.memory_limit));
   if (base_cells && !made.mesh.tetrahedra.empty())

@@ -17,6 +17,7 @@ struct TetraBuildJob {
   bool is_everywhere = false;      ///< Where errors hold.
   bool has_space_errors = false;   ///< Besides.
   bool keeps_extrema = false;      ///< Of the reference.
+  std::string at;                  ///< The time, or "file"; empty: none.
   ReadingArguments reading;
 };
 

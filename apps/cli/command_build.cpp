@@ -28,6 +28,7 @@ struct BuildArguments {
   bool is_everywhere = false;
   bool has_space_errors = false;
   bool keeps_extrema = false;
+  std::string at;
   std::string levels;
   TerrainArguments terrain;
   ReadingArguments reading;
@@ -35,7 +36,7 @@ struct BuildArguments {
   [[nodiscard]] TetraBuildJob tetra() const {
     return {input,        output,        base_cells,       boundary_tolerance,
             memory_limit, is_everywhere, has_space_errors, keeps_extrema,
-            reading};
+            at,           reading};
   }
   [[nodiscard]] TerrainBuildJob of_terrain() const {
     return {input, output, levels, terrain, reading};
@@ -67,10 +68,11 @@ Result<void> check_build(const BuildArguments& arguments, const CLI::App& app) {
         arguments.input);
   if (is_cells_path(arguments.input)) return check_mesh_build(arguments);
   if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty() ||
-      arguments.is_everywhere || arguments.has_space_errors || arguments.keeps_extrema)
+      arguments.is_everywhere || arguments.has_space_errors || arguments.keeps_extrema ||
+      !arguments.at.empty())
     return fail(
         "{}: expected a mesh of cells with --base-cells, --boundary-tolerance, --everywhere, "
-        "--keep-extrema and --space-errors",
+        "--keep-extrema, --space-errors and --at",
         arguments.input);
   // What is no file, or empty, is left to the reader, which says so.
   if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
@@ -188,6 +190,7 @@ Command add_build_command(CLI::App& program) {
   app->footer(
       "Examples:\n  lode build scan.nrrd scan.lode\n"
       "  lode build wing.vtu wing.lode --field Density\n"
+      "  lode build step-0.vtu run.lode --field Density --at 0.5\n"
       "  lode build dem.tif dem.lode --levels 50,20,10,5,2,1\n"
       "  lode build lidar.las dem.lode --class 2 --breaklines dikes.gpkg");
   app->add_option("input", arguments->input,
@@ -221,6 +224,10 @@ Command add_build_command(CLI::App& program) {
   app->add_flag("--space-errors", arguments->has_space_errors,
                 "Of a mesh: how far from its place a value may be is found, too, an estimate, for "
                 "extract's --max-space-error and --max-error-px; a byte a vertex and field");
+  app->add_option("--at", arguments->at,
+                  "Of a mesh: the time of its fields, in any unit, or 'file', as the file says it; "
+                  "attach-field adds other steps (default: none)")
+      ->type_name("T");
   app->add_option("--levels", arguments->levels,
                   "Of terrain: tolerances of the levels, in units of the heights, or all with % of "
                   "their range; the finest is what questions may ask for (default: a 2000th of the "

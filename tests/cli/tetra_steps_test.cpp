@@ -114,6 +114,54 @@ TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
           "expected no options of reading");
 }
 
+TEST_F(cli_mesh_fields, have_the_time_that_their_build_was_told) {
+  const std::string mesh = scratch_ / "steps.msh";
+  const std::string model = scratch_ / "steps.lode";
+  const std::string all = scratch_ / "all.lode";
+  write_gmsh_steps(mesh);
+  for (const char* const placement : {"half-edge", "midpoint"}) {
+    const Words build{"build", mesh, model, "--field", "heat", "--placement", placement};
+    const auto built = [&](const Words& options) {
+      Words words = build;
+      words.insert(words.end(), options.begin(), options.end());
+      done(words);
+      return done({"info", model}).at("fields")[0];
+    };
+    EXPECT_FALSE(built({"--time", "1"}).contains("time"));
+    EXPECT_EQ(built({"--time", "1", "--at", "-7.25"}).at("time"), -7.25);
+    const nlohmann::json middle = built({"--time", "1", "--at", "file"});
+    EXPECT_EQ(middle.at("time"), 0.5);
+    EXPECT_NE(run_lode({"info", model}).out.find("heat at 0.5"), std::string::npos);
+    EXPECT_EQ(done({"info", mesh, "--time", "1"}).at("time"), 0.5);
+    // It is a step as others are: in order of time, once.
+    done({"attach-field", model, mesh, all, "--field", "heat", "--time", "0,2"});
+    const double first = middle.at("range")[1].get<double>() / 1.5;
+    const std::string cut = scratch_ / "cut.vtu";
+    for (const auto& [step, time] : {std::pair{"0", 0.0}, {"1", 0.5}, {"2", 2.0}}) {
+      const nlohmann::json json =
+          done({"extract", all, cut, "--mesh", "--max-error", "0", "--time", step});
+      EXPECT_EQ(json.at("time"), time);
+      const auto cells = read_cell_mesh(cut, {});
+      ASSERT_TRUE(cells);
+      EXPECT_EQ(cells->time, time);
+      EXPECT_NEAR(*std::ranges::max_element(cells->point_fields.front().values), (time + 1) * first,
+                  1e-12);
+      done({"verify", all, "--against", mesh, "--field", "heat", "--time", step});
+    }
+    refused({"attach-field", all, mesh, model, "--field", "heat", "--time", "1", "--at", "0.5"},
+            "or another time, got heat at 0.5");
+    EXPECT_EQ(done({"extract", model, cut, "--mesh", "--time", "0"}).at("time"), 0.5);
+    refused({"extract", model, cut, "--mesh", "--time", "1"}, "--time");
+  }
+  const std::string still = write_still(scratch_ / "still.vtk");
+  refused({"build", still, model, "--at", "file"}, "does not say its own, got 'file'");
+  refused({"build", still, model, "--at", "noon"}, "--at: expected a finite number, got 'noon'");
+  refused({"build", still, model, "--at", "inf"}, "--at: expected a finite number, got 'inf'");
+  const std::string ball = scratch_ / "ball.nrrd";
+  write_ball(ball);
+  refused({"build", ball, model, "--at", "1"}, "expected a mesh of cells with --base-cells");
+}
+
 TEST_F(cli_mesh_fields, of_medit_meshes_come_from_solutions) {
   const TetraMesh noise = oracles::noise_mesh(7, oracles::Cut::in_six, 5);
   std::string mesh = "MeshVersionFormatted 2\nDimension 3\nVertices\n";

@@ -108,6 +108,27 @@ TEST_P(tetra_attachment, states_of_a_field_what_building_with_it_did) {
   }
 }
 
+TEST_P(tetra_attachment, is_a_step_beside_that_of_the_build) {
+  build({.time = 1.5, .threads = {2}});
+  EXPECT_EQ(TetraDataset::open(model_)->describe().fields[0].time, 1.5);
+  EXPECT_NE(refusal({mesh_, 1.5, "same"}).find("or another time"), std::string::npos);
+  const auto report = attach({{mesh_, 0.5, "earlier"}});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->info.fields.size(), 2U);
+  EXPECT_EQ(report->info.fields[0].time, 1.5);
+  EXPECT_EQ(report->info.fields[1].time, 0.5);
+  EXPECT_EQ(*find_field(TetraDataset::open(output_)->describe(), mesh_.fields[0].name, 0.5), 1U);
+  Progress progress;
+  TetraBuildOptions options{.placement = GetParam(), .time = -2, .threads = {2}};
+  EXPECT_EQ(TetraDataset::build(mesh_, options, progress)->describe().fields[0].time, -2);
+  for (const double time : {std::nan(""), HUGE_VAL}) {
+    options.time = time;
+    const auto refused = TetraDataset::build_file(mesh_, output_, options, progress);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("time: expected a finite"), std::string::npos);
+  }
+}
+
 TEST_P(tetra_attachment, holds_of_other_fields_and_times) {
   const auto report =
       attach({{with_cosine(mesh_, 5), 0.5, "first"}, {with_cosine(mesh_, 9), 1.5, "second"}});

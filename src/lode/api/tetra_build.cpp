@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <new>
 
 #include "lode/api/tetra_info.h"
@@ -36,6 +37,11 @@ Result<void> check_n_fields(const TetraMesh& mesh) {
   return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
 }
 
+Result<void> check_time(const TetraBuildOptions& options) {
+  if (!options.time || std::isfinite(*options.time)) return {};
+  return fail("time: expected a finite number, got {}", *options.time);
+}
+
 Result<void> check_memory(const TetraMesh& mesh, const TetraBuildOptions& options) {
   const std::uint64_t n_bytes = memory_to_build(mesh, options);
   if (options.memory_limit == 0 || n_bytes <= options.memory_limit) return {};
@@ -65,6 +71,7 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
                                                   const TetraBuildOptions& options,
                                                   Progress& progress) {
   LODE_CHECK(check_n_fields(mesh));
+  LODE_CHECK(check_time(options));
   LODE_CHECK(check_memory(mesh, options));
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   if (is_everywhere && options.boundary_tolerance > 0)
@@ -89,7 +96,9 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
 Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh, const TetraBuildOptions& options,
                                             Progress& progress) {
   LODE_TRY(const auto collapses, collapse_mesh(mesh, options, progress));
-  return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
+  LODE_TRY(auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
+  hierarchy.time = options.time;
+  return hierarchy;
 }
 
 Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOptions& options,
@@ -100,6 +109,7 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
     return fail(
         "midpoints: expected extrema of the mesh as it is to stay, got those of the reference");
   LODE_CHECK(check_n_fields(mesh));
+  LODE_CHECK(check_time(options));
   LODE_CHECK(check_memory(mesh, options));
   LODE_TRY(const auto collapses,
            tetra_mt::midpoint::collapse_edges(mesh,
@@ -110,6 +120,7 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
                                                .threads = options.threads},
                                               progress));
   LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));
+  for (tetra_mt::midpoint::ForestField& field : hierarchy.fields) field.time = options.time;
   return BuiltMidpoints{std::move(hierarchy), collapses.volume_change, collapses.refusals};
 }
 
@@ -143,7 +154,8 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
   TetraFileReport report;
   report.volume_change = collapses.volume_change;
   report.refusals = named(collapses.refusals);
-  LODE_TRY(const auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
+  LODE_TRY(auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
+  hierarchy.time = options.time;
   collapses = {};
   report.build_seconds = watch.seconds();
   report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));

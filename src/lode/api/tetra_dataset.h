@@ -49,6 +49,9 @@ struct TetraBuildOptions {
   /// Which edges collapse first. Errors are measured, and as true, whatever it is: quadrics take
   /// less time where most cells go, for larger errors at as many.
   CollapseOrder order = CollapseOrder::squared_error;
+  /// Of all its fields, where they are a step of a series, in any unit; finite. Others come later,
+  /// by attach_fields().
+  std::optional<double> time{};
   /// Bytes; a mesh that needs more is refused. 0: none.
   std::uint64_t memory_limit = 0;
   Threads threads{};

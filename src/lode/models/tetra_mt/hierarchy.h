@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,7 @@ struct Hierarchy {
   std::uint32_t n_base_vertices = 0;
   std::vector<Vec3d> positions;   ///< By vertex.
   std::vector<MeshField> fields;  ///< Of one component, by vertex.
+  std::optional<double> time{};   ///< Of all of them, of a series.
   std::vector<Tetrahedron> base;  ///< With those to the vertex outside, number positions.size().
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.

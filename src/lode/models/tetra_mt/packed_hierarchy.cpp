@@ -118,6 +118,7 @@ NumberedField field_of(const Hierarchy& hierarchy, std::size_t field) {
   const MeshField& from = hierarchy.fields[field];
   NumberedField made{.name = from.name,
                      .type = from.type,
+                     .time = hierarchy.time,
                      .values = from.values,
                      .facts = {},
                      .range_reference = hierarchy.range_references[field],
