@@ -109,6 +109,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   add_regions(info.regions, table, json);
   add_patches(info.patches, table, json);
   json["boundary_deviation"] = info.boundary_deviation;
+  if (info.boundary_tolerance) json["boundary_tolerance"] = *info.boundary_tolerance;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
   table.add({"placement", name_of(info.placement)});
@@ -117,6 +118,8 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
                                       format_count(info.n_vertices))});
   table.add({"base", format_count(info.n_base_cells) + " cells"});
   table.add({"nodes", format_count(info.n_nodes)});
+  if (info.boundary_tolerance.value_or(0) > 0)
+    table.add({"boundary tolerance", format_number(*info.boundary_tolerance)});
   const auto corner = [](const Vec3d& p) {
     return fmt::format("({}, {}, {})", format_number(p[0]), format_number(p[1]),
                        format_number(p[2]));

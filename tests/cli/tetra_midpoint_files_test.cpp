@@ -346,6 +346,9 @@ TEST_F(cli_tetra_placement, lets_boundaries_move_by_as_much_as_is_asked_for) {
     EXPECT_LE(built.at("boundary_deviation").get<double>(), std::stod(tolerance) + 1e-5);
     EXPECT_LT(built.at("base_cells"), n_last);
     n_last = built.at("base_cells");
+    EXPECT_EQ(done({"info", model}).at("boundary_tolerance"), std::stod(tolerance));
+    EXPECT_EQ(run_lode({"info", model}).out.find("boundary tolerance") != std::string::npos,
+              std::stod(tolerance) > 0);
     const nlohmann::json verified = done({"verify", model, "--against", input_});
     for (const auto& check : verified.at("checks")) EXPECT_EQ(check.at("passed"), true) << check;
   }

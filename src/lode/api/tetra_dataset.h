@@ -92,6 +92,8 @@ struct TetraInfo {
   std::vector<TetraFieldInfo> fields{};  ///< At least one.
   Box3d bounds{};                        ///< Of all vertices.
   double boundary_deviation = 0;         ///< Of cuts' boundaries; the mesh's unit.
+  /// What its build was told; of midpoints, whose files say it.
+  std::optional<double> boundary_tolerance{};
   std::vector<MeshRegion> regions{};     ///< By number, ascending.
   std::vector<BoundaryPatch> patches{};  ///< Parts of the boundary, likewise.
 };

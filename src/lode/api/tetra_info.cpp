@@ -39,6 +39,7 @@ TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
           .fields = std::move(fields),
           .bounds = head.box,
           .boundary_deviation = head.boundary_deviation,
+          .boundary_tolerance = head.boundary_tolerance,
           .regions = regions_of(head.region_ids, head.region_names),
           .patches = head.patches};
 }
