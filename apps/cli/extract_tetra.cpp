@@ -1,5 +1,7 @@
 #include "extract_tetra.h"
 
+#include <cmath>
+
 #include "lode/api/mesh_picture.h"
 #include "outputs.h"
 #include "parse.h"
@@ -53,9 +55,11 @@ std::vector<Attribute> without_values(const std::vector<Attribute>& attributes) 
 
 std::string tetra_comment(const std::string& kind, const TetraInput& input, const TetraAnswer& made,
                           const std::string& opacity) {
+  const std::string tolerance =
+      std::isfinite(made.max_error) ? fmt::format("{}", made.max_error) : "any";
   std::string text =
-      fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
-                  made.max_error, made.achieved_error, name_of(input.field().error_place));
+      fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind, tolerance,
+                  made.achieved_error, name_of(input.field().error_place));
   if (made.space_error) text += fmt::format(", space_error {} by an estimate", *made.space_error);
   if (!opacity.empty()) text += fmt::format(", as the opacity of {} weighs it", opacity);
   if (const auto time = input.time()) text += fmt::format("; time {}", *time);

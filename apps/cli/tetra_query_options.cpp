@@ -56,15 +56,17 @@ void add_space_error(const QueryArguments& arguments, const SpaceErrors& achieve
   if (achieved.world) {
     json["achieved_space_error"] = *achieved.world;
     table.add(
-        {"space error", fmt::format("{}{}, by an estimate", format_number(*achieved.world),
+        {"space error", fmt::format("{}{}, by an estimate{}", format_number(*achieved.world),
                                     arguments.max_space_error.empty()
                                         ? ""
-                                        : fmt::format(" of up to {}", arguments.max_space_error))});
+                                        : fmt::format(" of up to {}", arguments.max_space_error),
+                                    arguments.opacity.empty() ? "" : kWhereShown)});
   }
   if (achieved.pixels) {
     json["achieved_px"] = *achieved.pixels;
-    table.add({"pixels", fmt::format("{} of up to {}, by an estimate",
-                                     format_number(*achieved.pixels), arguments.max_error_px)});
+    table.add({"pixels",
+               fmt::format("{} of up to {}, by an estimate{}", format_number(*achieved.pixels),
+                           arguments.max_error_px, arguments.opacity.empty() ? "" : kWhereShown)});
   }
 }
 

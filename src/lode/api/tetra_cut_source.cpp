@@ -1,5 +1,6 @@
 #include "lode/api/tetra_cut_source.h"
 
+#include <limits>
 #include <utility>
 
 #include "lode/api/tetra_info.h"
@@ -36,11 +37,19 @@ Result<RefinedCells> refine(Cut cut, const TetraFieldInfo& field,
                               ? engine.largest([](const NodeFacts& facts) { return facts.error; })
                               : field.base_error;
   RefinedCells made{TetraCells(cut), achieved};
-  if (field.base_world_error)
-    made.achieved_world =
-        tolerance ? engine.largest([](const NodeFacts& facts) { return facts.world_error; })
-                  : *field.base_world_error;
+  if (!field.base_world_error) return made;
+  if (!tolerance) {
+    engine.set_query(uniform_demand(std::numeric_limits<double>::infinity()));
+    engine.finish();
+  }
+  made.achieved_world = engine.largest([](const NodeFacts& facts) { return facts.world_error; });
   LODE_CHECK(cut.check());
+  if (!tolerance) {
+    // Codes round up by an eighth at most.
+    made.has_stated_world = *field.base_world_error <= made.achieved_world &&
+                            made.achieved_world <= 1.126 * *field.base_world_error;
+    made.achieved_world = *field.base_world_error;
+  }
   return made;
 }
 

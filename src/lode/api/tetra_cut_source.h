@@ -16,8 +16,9 @@ namespace lode {
 
 struct RefinedCells {
   TetraCells cells;
-  double achieved = 0;        ///< Largest error of a node that is not applied,
-  double achieved_world = 0;  ///< and world error, where the field has them.
+  double achieved = 0;           ///< Largest error of a node that is not applied,
+  double achieved_world = 0;     ///< and world error, where the field has them.
+  bool has_stated_world = true;  ///< Of the base: that is what the hierarchy states of it.
 };
 
 /// Cuts of a hierarchy of half edges or of midpoints, as verification looks at them. All fail where

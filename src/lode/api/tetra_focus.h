@@ -21,10 +21,8 @@ class TetraFocus {
 
   /// Field units; where the query has an opacity, as far as that weighs it.
   [[nodiscard]] double error(const NodeFacts& facts) const;
-  /// World units, an estimate,
-  [[nodiscard]] double world_error(const NodeFacts& facts) const {
-    return counts(facts) ? facts.world_error : 0;
-  }
+  /// World units, an estimate, likewise weighed,
+  [[nodiscard]] double world_error(const NodeFacts& facts) const;
   /// and how large that appears in the query's view.
   [[nodiscard]] double pixels(const NodeFacts& facts) const;
 
@@ -33,10 +31,15 @@ class TetraFocus {
     return demand_.touches(facts) && (!view_ || view_->shows(facts.bounds));
   }
 
+  /// With a tolerance of 0 a demand is the error, as opacity weighs it, and never quite 0.
+  [[nodiscard]] static double weighed(const Demand& demand, const NodeFacts& facts);
+
   bool is_weighed_;
   std::optional<ViewFocus> view_;
   std::vector<FocusDemand> pixels_;
   Demand demand_;
+  Demand world_demand_;  ///< Where errors are weighed, these two of world errors
+  Demand pixel_demand_;  ///< and pixels.
 };
 
 }  // namespace lode

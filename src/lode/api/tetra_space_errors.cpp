@@ -21,7 +21,7 @@ struct ValueBox {
   std::array<double, 4> low{kNowhere, kNowhere, kNowhere, kNowhere};  ///< x, y, z, value.
   std::array<double, 4> high{-kNowhere, -kNowhere, -kNowhere, -kNowhere};
 
-  void widen(const Vec3d& p, double value) {
+  void widen(const Vec3d& p, const Range& values) {
     const std::array<double, 4> at{p[0], p[1], p[2], value};
     for (std::size_t i = 0; i < 4; ++i) {
       low[i] = std::min(low[i], at[i]);
@@ -34,9 +34,9 @@ struct ValueBox {
       high[i] = std::max(high[i], other.high[i]);
     }
   }
-  /// Infinite without the value, else the square of how far its box is.
-  [[nodiscard]] double squared_distance(const Vec3d& p, double value) const {
-    if (value < low[3] || value > high[3]) return kNowhere;
+  /// Infinite without the values, else the square of how far its box is.
+  [[nodiscard]] double squared_distance(const Vec3d& p, const Range& values) const {
+    if (values.high < low[3] || values.low > high[3]) return kNowhere;
     double sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double out = std::max({low[i] - p[i], p[i] - high[i], 0.0});
@@ -57,9 +57,9 @@ class NearestValue {
   }
 
   /// Infinite where no cell has it.
-  [[nodiscard]] double distance(const Vec3d& p, double value) const {
+  [[nodiscard]] double distance(const Vec3d& p, const Range& values) const {
     double least = kNowhere;  // squared
-    if (!nodes_.empty()) search(0, p, value, least);
+    if (!nodes_.empty()) search(0, p, values, least);
     return std::sqrt(least);
   }
 
@@ -104,36 +104,36 @@ class NearestValue {
     return at;
   }
 
-  void search(std::uint32_t at, const Vec3d& p, double value, double& least) const {
+  void search(std::uint32_t at, const Vec3d& p, const Range& values, double& least) const {
     const Node& node = nodes_[at];
     if (node.second == 0) {
       for (const std::uint32_t cell :
            std::span(order_).subspan(node.begin, node.end - node.begin)) {
-        const double d = distance_in(cell, p, value);
+        const double d = distance_in(cell, p, values);
         least = std::min(least, d * d);
       }
       return;
     }
     std::array<std::uint32_t, 2> children{at + 1, node.second};
-    std::array<double, 2> far{nodes_[children[0]].extent.squared_distance(p, value),
-                              nodes_[children[1]].extent.squared_distance(p, value)};
+    std::array<double, 2> far{nodes_[children[0]].extent.squared_distance(p, values),
+                              nodes_[children[1]].extent.squared_distance(p, values)};
     if (far[1] < far[0]) {
       std::swap(children[0], children[1]);
       std::swap(far[0], far[1]);
     }
     for (std::size_t i = 0; i < 2; ++i)
-      if (far[i] < least) search(children[i], p, value, least);
+      if (far[i] < least) search(children[i], p, values, least);
   }
 
-  [[nodiscard]] double distance_in(std::uint32_t cell, const Vec3d& p, double value) const {
+  [[nodiscard]] double distance_in(std::uint32_t cell, const Vec3d& p, const Range& values) const {
     std::array<Vec3d, 4> corners;
-    std::array<double, 4> values{};
+    std::array<double, 4> at{};
     for (std::size_t k = 0; k < 4; ++k) {
       const std::uint32_t v = cells_.corners[cell][k];
       corners[k] = vertices_.positions[v];
-      values[k] = vertices_.values[v];
+      at[k] = vertices_.values[v];
     }
-    return tetra_mt::distance_to_value(corners, values, value, p);
+    return tetra_mt::distance_to_values(corners, at, values, p);
   }
 
   const TetraVertices& vertices_;
@@ -149,9 +149,17 @@ TetraSpaceErrors measure_space_errors(const TetraVertices& vertices, const Tetra
   constexpr std::size_t kAtOnce = 1024;
   const NearestValue nearest(vertices, cells);
   std::vector<double> distances(vertices.samples.size());
+  double low = kNowhere;
+  double high = -kNowhere;
+  for (const std::uint32_t v : vertices.samples) {
+    low = std::min(low, vertices.values[v]);
+    high = std::max(high, vertices.values[v]);
+  }
+  const double slack = distances.empty() ? 0 : tetra_mt::kSameValue * (high - low);
   parallel_for(distances.size(), threads, kAtOnce, [&](std::size_t i, int) {
     const std::uint32_t v = vertices.samples[i];
-    distances[i] = nearest.distance(vertices.positions[v], vertices.values[v]);
+    const double value = vertices.values[v];
+    distances[i] = nearest.distance(vertices.positions[v], {value - slack, value + slack});
   });
   TetraSpaceErrors found;
   double squares = 0;

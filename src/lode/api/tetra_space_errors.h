@@ -9,7 +9,7 @@ namespace lode {
 
 /// How far vertices of the reference mesh are from where a cut has their value: the paper's space
 /// error (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 3) at these, found among all
-/// cells; in the mesh's unit.
+/// cells; in the mesh's unit. Values that differ by no more than tetra_mt::kSameValue are the same.
 struct TetraSpaceErrors {
   std::uint64_t n_vertices = 0;
   std::uint64_t n_above = 0;  ///< Farther than is stated.

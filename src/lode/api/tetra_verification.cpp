@@ -308,7 +308,7 @@ void CutVerifier::check_range(std::size_t number, VerifyReport& report) const {
                                     field.range_max, low, high));
 }
 
-/// Nothing is promised of an estimate.
+/// Nothing is promised of an estimate, but that the base's is that of its nodes.
 void CutVerifier::add_space_errors(std::size_t field, std::optional<double> share,
                                    const RefinedCells& refined, VerifyReport& report) const {
   const TetraSpaceErrors errors =
@@ -318,7 +318,7 @@ void CutVerifier::add_space_errors(std::size_t field, std::optional<double> shar
   report.add(named(share ? fmt::format("space errors there, estimated, at {}", *share)
                          : "space errors there, estimated",
                    field),
-             errors.n_vertices, 0,
+             errors.n_vertices, refined.has_stated_world ? 0 : 1,
              fmt::format("largest {:.6g}, RMS {:.6g}, stated {:.6g}; more at {} vertices{}",
                          errors.largest, errors.root_mean_square, refined.achieved_world,
                          errors.n_above, lost));

@@ -77,7 +77,8 @@ class Engine {
   }
   [[nodiscard]] std::uint64_t n_cells() const { return n_cells_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }
-  /// The largest measure(facts) of a candidate: what the answer achieves in any unit.
+  /// The largest measure(facts) of a candidate: what the answer achieves in any unit. Facts have
+  /// regions where the demand uses them.
   template <typename Measure>
   [[nodiscard]] double largest(const Measure& measure) const;
   /// Of all the engine holds; the model's own not included.
@@ -409,7 +410,7 @@ double Engine<M>::largest(const Measure& measure) const {
     if (entry.state != State::candidate) continue;
     NodeFacts node = without_bounds(entry.facts(), model_.range_reference());
     node.bounds = model_.bounds(entry.id);
-    node.regions = region_mask_of(model_, entry.id);
+    if (demand_.uses_regions()) node.regions = region_mask_of(model_, entry.id);
     result = std::max(result, static_cast<double>(measure(node)));
   }
   return result;

@@ -163,11 +163,10 @@ double BlockCollapser::world_error_of(int kept, std::size_t field) const {
   const ValuedFan fan{star_, fan_, link_, link_[place], values, values[place]};
   double largest = 0;
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    if (new_errors_[s * n + field] == 0) continue;
     const std::uint32_t sample = covered_.samples[s];
     const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
-    const double own = state_.value(sample, field);
-    largest = std::max(largest, distance_in_fan(fan, covers_[s].lane, own, p));
+    largest = std::max(largest, distance_in_cells(fan.size(), covers_[s].lane, fan,
+                                                  state_.same_values(sample, field), p, largest));
   }
   return largest / scale_;
 }

@@ -10,6 +10,7 @@
 #include "lode/models/tetra_mt/collapse_order.h"
 #include "lode/models/tetra_mt/collapse_stars.h"
 #include "lode/models/tetra_mt/field_quadric.h"
+#include "lode/models/tetra_mt/value_distance.h"
 
 namespace lode::tetra_mt {
 
@@ -25,7 +26,7 @@ struct CollapseFacts {
   double error;
   double low;  ///< Of F at these samples, and at the tetrahedra's corners.
   double high;
-  /// Largest distance_in_fan() of a sample from where these tetrahedra have its value, in the
+  /// Largest distance_in_cells() of a sample from where these tetrahedra have its value, in the
   /// mesh's unit: the paper's space error, an estimate. Only where CollapseRules ask for it.
   double world_error = 0;
 };
@@ -76,11 +77,16 @@ struct BuildState {
   std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
   /// By vertex: extrema of the reference, where these are to stay; else empty.
   std::vector<std::uint8_t> stays;
-  std::vector<Collapse> collapses;      ///< In an order that can be done again.
-  std::vector<CollapseFacts> facts;     ///< By collapse and field.
-  std::vector<CollapseStars> stars;     ///< Of the collapses, in pieces.
-  std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
+  std::vector<Collapse> collapses;   ///< In an order that can be done again.
+  std::vector<CollapseFacts> facts;  ///< By collapse and field.
+  std::vector<CollapseStars> stars;  ///< Of the collapses, in pieces.
+  std::uint64_t n_cells = 0;         ///< Without those to the vertex outside.
 
+  /// Those that count as a vertex's where distances are asked for.
+  [[nodiscard]] Range same_values(std::uint32_t vertex, std::size_t field) const {
+    const double slack = scales[field] > 0 ? kSameValue / scales[field] : 0;
+    return {value(vertex, field) - slack, value(vertex, field) + slack};
+  }
   [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const {
     return mesh.fields[field].values[vertex];
   }

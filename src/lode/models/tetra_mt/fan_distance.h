@@ -12,8 +12,39 @@
 #include "lode/models/tetra_mt/fan.h"
 #include "lode/models/tetra_mt/star.h"
 #include "lode/models/tetra_mt/value_distance.h"
+#include "lode/refine/model.h"
 
 namespace lode::tetra_mt {
+
+/// A tetrahedron and one field.
+struct ValuedCell {
+  std::array<Vec3d, 4> corners;
+  std::array<double, 4> values;
+};
+
+/// How far from `p` so many cells, of which there is one, have a value of a range; where they have
+/// it nowhere, how far their farthest corner is. `first`: the cell that is looked at first;
+/// `cell(i, found)`: fills it in, or false where there is none; `enough`: who asks does not care
+/// how far below that it is.
+template <typename CellAt>
+[[nodiscard]] double distance_in_cells(std::size_t n, std::size_t first, const CellAt& cell,
+                                       const Range& values, const Vec3d& p, double enough) {
+  double least = std::numeric_limits<double>::infinity();
+  ValuedCell found{};
+  const auto look_at = [&](std::size_t i) {
+    if (!cell(i, found)) return;
+    least = std::min(least, distance_to_values(found.corners, found.values, values, p));
+  };
+  look_at(first);
+  for (std::size_t i = 0; i < n && least > enough; ++i)
+    if (i != first) look_at(i);
+  if (std::isfinite(least)) return least;
+  double farthest = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    if (cell(i, found))
+      for (const Vec3d& corner : found.corners) farthest = std::max(farthest, length(corner - p));
+  return farthest;
+}
 
 /// The tetrahedra that come of a collapse, for one field: triangles of a star with the vertex that
 /// is kept, or made.
@@ -24,39 +55,15 @@ struct ValuedFan {
   Vec3d apex;
   std::span<const double> values;  ///< By link vertex; anything of the one outside.
   double apex_value = 0;
-};
 
-/// How far the farthest corner of a fan is.
-[[nodiscard]] inline double farthest_corner(const ValuedFan& of, const Vec3d& p) {
-  double farthest = length(of.apex - p);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(of.star.n_triangles); ++i) {
-    if (of.fan.gaps[i] != 0) continue;
-    for (const std::uint8_t corner : of.star.triangles[i])
-      farthest = std::max(farthest, length(of.link[corner] - p));
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(star.n_triangles); }
+  [[nodiscard]] bool operator()(std::size_t i, ValuedCell& cell) const {
+    if (fan.gaps[i] != 0) return false;
+    const auto& t = star.triangles[i];
+    cell.corners = {apex, link[t[0]], link[t[1]], link[t[2]]};
+    cell.values = {apex_value, values[t[0]], values[t[1]], values[t[2]]};
+    return true;
   }
-  return farthest;
-}
-
-/// How far from `p` the fan has a value; where it has it nowhere, how far its farthest corner is.
-/// `lane`: the triangle whose tetrahedron covers p.
-[[nodiscard]] inline double distance_in_fan(const ValuedFan& of, std::size_t lane, double value,
-                                            const Vec3d& p) {
-  double least = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](std::size_t i) {
-    if (of.fan.gaps[i] != 0) return;
-    const auto& t = of.star.triangles[i];
-    const std::array<double, 4> values{of.apex_value, of.values[t[0]], of.values[t[1]],
-                                       of.values[t[2]]};
-    const auto [low, high] = std::ranges::minmax(values);
-    if (value < low || value > high) return;
-    const std::array<Vec3d, 4> corners{of.apex, of.link[t[0]], of.link[t[1]], of.link[t[2]]};
-    least = std::min(least, distance_to_value(corners, values, value, p));
-  };
-  look_at(lane);
-  const auto n = static_cast<std::size_t>(of.star.n_triangles);
-  for (std::size_t i = 0; i < n && least > 0; ++i)
-    if (i != lane) look_at(i);
-  return std::isfinite(least) ? least : farthest_corner(of, p);
-}
+};
 
 }  // namespace lode::tetra_mt

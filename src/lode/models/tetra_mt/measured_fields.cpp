@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "lode/models/tetra_mt/fan_distance.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/mesh_check.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
-#include "lode/models/tetra_mt/value_distance.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
 
@@ -95,7 +95,12 @@ class FieldMeasurer {
         live_(n_, n_, mesh.tetrahedra),
         first_sample_(mesh.tetrahedra.size(), kNone),
         next_sample_(n_, kNone),
-        facts_(mesh.fields.size(), std::vector<Facts>(hierarchy.head().shape.n_nodes)) {}
+        facts_(mesh.fields.size(), std::vector<Facts>(hierarchy.head().shape.n_nodes)) {
+    for (const MeshField& field : mesh.fields) {
+      const auto [low, high] = std::ranges::minmax_element(field.values);
+      slacks_.push_back(field.values.empty() ? 0 : kSameValue * (*high - *low));
+    }
+  }
 
   void collapse(std::uint32_t node);
   /// Joins what it discovers, of which all is known.
@@ -120,7 +125,8 @@ class FieldMeasurer {
   void assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept);
   [[nodiscard]] double error_of(const Covering& covering, std::uint32_t sample, std::uint32_t kept,
                                 std::size_t field) const;
-  [[nodiscard]] double world_error_of(std::uint32_t sample, std::size_t field) const;
+  [[nodiscard]] double world_error_of(std::uint32_t sample, std::size_t first,
+                                      std::size_t field) const;
 
   const PackedHierarchy& hierarchy_;
   std::span<const std::uint32_t> mesh_vertices_;
@@ -133,6 +139,7 @@ class FieldMeasurer {
   std::vector<std::vector<Facts>> facts_;    ///< By field and node.
   std::vector<std::uint32_t> made_;          ///< Slots of what a collapse makes.
   std::vector<std::uint32_t> samples_;
+  std::vector<double> slacks_;  ///< By field: kSameValue of its range.
   bool has_lost_sample_ = false;
 };
 
@@ -153,24 +160,20 @@ double FieldMeasurer::error_of(const Covering& covering, std::uint32_t sample, s
   return error == 0 ? 0 : error + size * covering.rounding;
 }
 
-/// As distance_in_fan() says it of what a collapse makes.
-double FieldMeasurer::world_error_of(std::uint32_t sample, std::size_t field) const {
+/// By the cells that a collapse makes; `first`: the place of the one that covers the sample.
+double FieldMeasurer::world_error_of(std::uint32_t sample, std::size_t first,
+                                     std::size_t field) const {
   const std::vector<double>& of = mesh_.fields[field].values;
-  const Vec3d& p = mesh_.positions[sample];
-  double least = std::numeric_limits<double>::infinity();
-  double farthest = 0;
-  for (const std::uint32_t slot : made_) {
-    std::array<Vec3d, 4> corners;
-    std::array<double, 4> values{};
+  const auto cell_at = [&](std::size_t i, ValuedCell& cell) {
+    const Tetrahedron& t = live_.corners(made_[i]);
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint32_t v = live_.corners(slot)[k];
-      corners[k] = mesh_.positions[v];
-      values[k] = of[v];
-      farthest = std::max(farthest, length(corners[k] - p));
+      cell.corners[k] = mesh_.positions[t[k]];
+      cell.values[k] = of[t[k]];
     }
-    least = std::min(least, distance_to_value(corners, values, of[sample], p));
-  }
-  return std::min(least, farthest);
+    return true;
+  };
+  const Range same{of[sample] - slacks_[field], of[sample] + slacks_[field]};
+  return distance_in_cells(made_.size(), first, cell_at, same, mesh_.positions[sample], 0);
 }
 
 void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept) {
@@ -187,14 +190,15 @@ void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32
     return;
   }
   if (best.least < 0) clamp(best);
+  const auto covers = static_cast<std::size_t>(std::ranges::find(made_, best.slot) - made_.begin());
   next_sample_[sample] = first_sample_[best.slot];
   first_sample_[best.slot] = sample;
   for (std::size_t f = 0; f < facts_.size(); ++f) {
     Facts& facts = facts_[f][node];
     const double error = error_of(best, sample, kept, f);
     facts.error = std::max(facts.error, error);
-    if (has_world_errors_ && error != 0)
-      facts.world_error = std::max(facts.world_error, world_error_of(sample, f));
+    if (has_world_errors_)
+      facts.world_error = std::max(facts.world_error, world_error_of(sample, covers, f));
     facts.widen(mesh_.fields[f].values[sample]);
   }
 }

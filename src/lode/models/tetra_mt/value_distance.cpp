@@ -51,6 +51,64 @@ double squared_distance_to_tetrahedron(const std::array<Vec3d, 4>& corners, cons
   return least;
 }
 
+/// The nearest point of a triangle.
+Vec3d nearest_in_triangle(const std::array<Vec3d, 3>& t, const Vec3d& p) {
+  const Vec3d u = t[1] - t[0];
+  const Vec3d v = t[2] - t[0];
+  const Vec3d q = p - t[0];
+  const double uu = dot(u, u);
+  const double uv = dot(u, v);
+  const double vv = dot(v, v);
+  const double area = uu * vv - uv * uv;
+  const double s = vv * dot(q, u) - uv * dot(q, v);
+  const double r = uu * dot(q, v) - uv * dot(q, u);
+  if (area > 0 && s >= 0 && r >= 0 && s + r <= area) return t[0] + u * (s / area) + v * (r / area);
+  Vec3d best = t[0];
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d e = t[(k + 1) % 3] - t[k];
+    const double along = dot(e, e);
+    const double share = along > 0 ? std::clamp(dot(p - t[k], e) / along, 0.0, 1.0) : 0;
+    const Vec3d at = t[k] + e * share;
+    if (const double d = dot(p - at, p - at); d < least) {
+      least = d;
+      best = at;
+    }
+  }
+  return best;
+}
+
+/// The nearest point of a tetrahedron: p itself, where that is inside.
+Vec3d nearest_in_tetrahedron(const std::array<Vec3d, 4>& corners, const Vec3d& p) {
+  if (squared_distance_to_tetrahedron(corners, p) == 0) return p;
+  Vec3d best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec3d at =
+        nearest_in_triangle({corners[(k + 1) % 4], corners[(k + 2) % 4], corners[(k + 3) % 4]}, p);
+    if (const double d = dot(p - at, p - at); d < least) {
+      least = d;
+      best = at;
+    }
+  }
+  return best;
+}
+
+/// Of the linear function; as far as a flat tetrahedron has one.
+double value_at(const std::array<Vec3d, 4>& corners, const std::array<double, 4>& values,
+                const Vec3d& p) {
+  const Vec3d a = corners[1] - corners[0];
+  const Vec3d b = corners[2] - corners[0];
+  const Vec3d c = corners[3] - corners[0];
+  const Vec3d d = p - corners[0];
+  const double volume = dot(cross(a, b), c);
+  if (volume == 0) return values[0];
+  return values[0] + (dot(cross(d, b), c) * (values[1] - values[0]) +
+                      dot(cross(a, d), c) * (values[2] - values[0]) +
+                      dot(cross(a, b), d) * (values[3] - values[0])) /
+                         volume;
+}
+
 /// Corners by whether their value is below, at or above the one that is looked for.
 struct Sides {
   std::array<std::array<std::size_t, 4>, 3> corners{};
@@ -80,6 +138,19 @@ double distance_to_value(const std::array<Vec3d, 4>& corners, const std::array<d
       section.add(corners[below] + (corners[above] - corners[below]) * share);
     }
   return std::sqrt(squared_distance(section, p));
+}
+
+/// The part of the tetrahedron with these values is convex. Where its nearest point has a value
+/// between the ends of the range, no other one of the tetrahedron is nearer.
+double distance_to_values(const std::array<Vec3d, 4>& corners, const std::array<double, 4>& values,
+                          const Range& range, const Vec3d& p) {
+  const auto [low, high] = std::ranges::minmax(values);
+  if (low > range.high || high < range.low) return std::numeric_limits<double>::infinity();
+  const Vec3d nearest = nearest_in_tetrahedron(corners, p);
+  const double value = std::clamp(value_at(corners, values, nearest), low, high);
+  if (value >= range.low && value <= range.high) return length(p - nearest);
+  return std::min(distance_to_value(corners, values, range.low, p),
+                  distance_to_value(corners, values, range.high, p));
 }
 
 }  // namespace lode::tetra_mt

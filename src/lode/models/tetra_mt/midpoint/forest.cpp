@@ -71,7 +71,8 @@ Forest::Forest(ForestHead head, Load load)
   const std::size_t n = head_->pages.n_pages();
   for (std::size_t f = 0; f < head_->fields.size(); ++f) {
     if (f > 0) pages_->further.push_back(std::make_unique<FieldPages>(n));
-    pages_->worlds.push_back(std::make_unique<OnceSlots<WorldPage>>(n));
+    const bool has_world_errors = head_->fields[f].base_world_error.has_value();
+    pages_->worlds.push_back(std::make_unique<OnceSlots<WorldPage>>(has_world_errors ? n : 0));
   }
 }
 Forest::Forest(Forest&&) noexcept = default;

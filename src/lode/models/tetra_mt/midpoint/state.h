@@ -10,6 +10,7 @@
 #include "lode/models/tetra_mt/collapse_order.h"
 #include "lode/models/tetra_mt/field_quadric.h"
 #include "lode/models/tetra_mt/midpoint/codes.h"
+#include "lode/models/tetra_mt/value_distance.h"
 
 namespace lode::tetra_mt::midpoint {
 
@@ -80,6 +81,11 @@ struct State {
   /// Of the mesh that was read.
   [[nodiscard]] double sample(std::uint32_t vertex, std::size_t field) const {
     return mesh.fields[field].values[vertex];
+  }
+  /// BuildState's.
+  [[nodiscard]] Range same_values(std::uint32_t vertex, std::size_t field) const {
+    const double slack = value_units[field] > 0 ? kSameValue / value_units[field] : 0;
+    return {sample(vertex, field) - slack, sample(vertex, field) + slack};
   }
   [[nodiscard]] std::span<float> errors_of(std::uint32_t vertex) {
     return std::span(errors).subspan(vertex * n_fields, n_fields);
