@@ -84,6 +84,8 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
     gaps.push_back({{"begin", gap.begin}, {"end", gap.end}});
     gap_length += gap.end - gap.begin;
   }
+  json["steps"] = profile.n_steps;
+  json["largest_step"] = profile.largest_step;
   if (arguments.output.empty()) json["points"] = points_json(profile);
   json["seconds"] = {{"read", answerer.read_seconds},
                      {"select", answerer.tin.report().seconds},
@@ -95,6 +97,9 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
                          ? std::string("none")
                          : fmt::format("{}, {} long together", format_count(profile.gaps.size()),
                                        format_number(gap_length))});
+  if (profile.n_steps > 0)
+    table.add({"steps", fmt::format("{}, up to {}", format_count(profile.n_steps),
+                                    format_number(profile.largest_step))});
   table.add({"heights", describe_range(profile)});
   table.add({"rows", format_count(profile.points.size())});
   table.add({"profile", format_seconds(profile.seconds)});
@@ -136,7 +141,11 @@ Command add_profile_command(CLI::App& program) {
       "is straight in the raster's coordinates; distances along it are in the plane of a "
       "projected\n"
       "CRS, and on the ellipsoid where coordinates are longitudes and latitudes. `bound` holds at\n"
-      "samples: none in the triangles beside is farther from them.\n\n"
+      "samples: none in the triangles beside is farther from them. Of surface quadtrees and\n"
+      "quaternary triangulations rows are at sides of squares and triangles, and two at one "
+      "distance\n"
+      "where their surfaces do not meet; what bends is cut, and bounds hold of straight lines\n"
+      "between rows.\n\n"
       "Examples:\n  lode profile dem.tif --from 500000,4000000 --to 520000,4010000 --max-error 1\n"
       "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --out profile.csv");
   add_terrain_query(*app, arguments->terrain);

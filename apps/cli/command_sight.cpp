@@ -176,8 +176,9 @@ Command add_sight_command(CLI::App& program) {
       "and where; undecided: neither, and --exact asks again at full resolution, or at the finest\n"
       "level of a file that was built for less. Bounds are\n"
       "those of lode height --everywhere where all heights are at hand (rasters, quadtrees,\n"
-      "quaternary triangulations, bisected right triangles), else at samples. Gaps on the way "
-      "leave it undecided. The ray is straight over an\n"
+      "quaternary triangulations, bisected right triangles), else at samples. Gaps on the way\n"
+      "leave it undecided; where the surfaces of a model's squares or triangles do not meet, the\n"
+      "bounds of both hold, and there is no gap. The ray is straight over an\n"
       "earth whose radius is R / (1 - refraction).\n\n"
       "Examples:\n  lode sight dem.tif --from 500000,4000000 --to 520000,4010000\n"
       "  lode sight dem.tif --from 8.1,46.5 --to 8.2,46.6 --target-height 30 --exact");

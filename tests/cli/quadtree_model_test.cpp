@@ -55,14 +55,28 @@ TEST_P(cli_quadtree_model, gives_triangles) {
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
 }
 
-TEST_P(cli_quadtree_model, refuses_what_it_cannot_by_its_nature) {
+TEST_P(cli_quadtree_model, answers_what_it_can_and_refuses_what_it_cannot_by_its_nature) {
+  const auto profile = run_lode({"profile", model_, "--from", "500100,4000100", "--to",
+                                 "501000,4000700", "--max-error", "50", "--json"})
+                           .json();
+  // At a step there are two rows at one place.
+  EXPECT_EQ(profile.at("steps") > 0, has_gaps());
+  EXPECT_EQ(profile.at("largest_step") > 0, has_gaps());
+  const auto& points = profile.at("points");
+  std::size_t n_steps = 0;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    n_steps += points[i].at("part") == points[i - 1].at("part") &&
+                       points[i].at("distance") == points[i - 1].at("distance")
+                   ? 1
+                   : 0;
+  EXPECT_EQ(profile.at("steps"), n_steps);
   for (const std::vector<std::string>& question :
-       {std::vector<std::string>{"height", model_, "--at", "500300,4000300"},
-        {"profile", model_, "--from", "500100,4000100", "--to", "501000,4000700"},
+       {std::vector<std::string>{"height", model_, "--at", "500300,4000300", "--everywhere"},
+        {"sight", model_, "--from", "500100,4000100", "--to", "501000,4000700", "--exact"},
         {"contours", model_, scratch_ / "out.vtp", "--interval", "50"}}) {
     SCOPED_TRACE(question[0]);
     const Finished answer = run_lode(question);
-    if (has_gaps())
+    if (has_gaps() && question[0] == "contours")
       expect_refusal(answer, 1, {"dem.lode", "without gaps", GetParam()});
     else
       EXPECT_EQ(answer.exit_code, 0) << answer.err;

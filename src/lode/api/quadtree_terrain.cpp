@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "lode/api/quadtree_patches.h"
 #include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/tin_links.h"
@@ -117,17 +118,8 @@ Result<delaunay::Tin> QuadtreeTerrain::tin_within(double tolerance, Progress& pr
   return to_tin(domain(), leaves);
 }
 
-Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
-                                                delaunay::TinLinks links,
-                                                Progress& progress) const {
-  const Stopwatch watch;
+Result<void> QuadtreeTerrain::check_options(const TerrainOptions& options) const {
   const char* name = name_of(model());
-  if (progress.is_cancelled()) return cancelled_error();
-  if (has_gaps() && links == delaunay::TinLinks::kept)
-    return fail(
-        "expected a model without gaps, got {}: where its squares differ in size heights are two "
-        "at a place; restricted_quadtree and the pyramids have one",
-        name);
   if (options.max_cells)
     return fail(
         "expected a tolerance for {}, got a number of triangles: its squares are split by "
@@ -137,6 +129,13 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
         name);
   if (options.focus && !has_gaps())
     return fail("expected one tolerance for {}, which has gaps where it varies, got a focus", name);
+  return {};
+}
+
+Result<SelectedTerrain> QuadtreeTerrain::select_mesh(const TerrainOptions& options,
+                                                     Progress& progress) const {
+  if (progress.is_cancelled()) return cancelled_error();
+  LODE_CHECK(check_options(options));
   SelectedTerrain selected;
   TerrainReport& report = selected.report;
   report.max_error = default_tolerance(options, source().range);
@@ -149,9 +148,24 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   } else {
     LODE_TRY(selected.tin, tin_within(report.max_error, progress));
   }
+  count_selection(source(), selected);
+  return selected;
+}
+
+Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
+                                                delaunay::TinLinks links,
+                                                Progress& progress) const {
+  const Stopwatch watch;
+  if (has_gaps() && links == delaunay::TinLinks::kept)
+    return fail(
+        "expected a model without gaps, got {}: where its squares differ in size its surface "
+        "breaks off, and so would lines that go on from triangle to triangle; restricted_quadtree "
+        "and the pyramids go on",
+        name_of(model()));
+  LODE_TRY(SelectedTerrain selected, select_mesh(options, progress));
+  TerrainReport& report = selected.report;
   if (links == delaunay::TinLinks::kept)
     selected.tin.twins = delaunay::find_twins(selected.tin.triangles);
-  count_selection(source(), selected);
   // Bilinear squares are no triangles, whose errors are others.
   report.achieved_error = model() == TerrainModel::surface_quadtree
                               ? measure_quality(selected.tin, 1, model_.grid, {}).worst_error
@@ -159,6 +173,18 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   if (!options.focus) report.is_within_error = report.achieved_error <= report.max_error;
   report.seconds = watch.seconds();
   return selected;
+}
+
+Result<std::shared_ptr<const TerrainPatches>> QuadtreeTerrain::patches(
+    const TerrainOptions& options, Progress& progress) const {
+  if (!has_gaps()) return std::shared_ptr<const TerrainPatches>{};
+  const Stopwatch watch;
+  LODE_TRY(SelectedTerrain selected, select_mesh(options, progress));
+  selected.report.seconds = watch.seconds();
+  LODE_TRY(QuadtreePatches patches,
+           QuadtreePatches::make(model_, std::move(selected), options, progress));
+  return std::shared_ptr<const TerrainPatches>(
+      std::make_shared<const QuadtreePatches>(std::move(patches)));
 }
 
 Result<SelectedTerrain> QuadtreeTerrain::select_all(Progress& progress) const {

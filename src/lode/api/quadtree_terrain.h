@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,9 @@
 namespace lode {
 
 /// The models on squares. The surface quadtree and the quaternary triangulation have gaps: they
-/// give triangles, whose tolerance may vary, and refuse what needs a surface. The restricted
-/// quadtree has none at one tolerance, and no other.
+/// give triangles, whose tolerance may vary, heights, profiles and lines of sight on their leaves
+/// (QuadtreePatches), and refuse what goes on from triangle to triangle, as contours do. The
+/// restricted quadtree has none at one tolerance, and no other.
 class QuadtreeTerrain final : public BuiltModel {
  public:
   explicit QuadtreeTerrain(quadtree_file::QuadtreeModel model) : model_(std::move(model)) {}
@@ -28,6 +30,8 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override;
+  [[nodiscard]] Result<std::shared_ptr<const TerrainPatches>> patches(
+      const TerrainOptions& options, Progress& progress) const override;
   [[nodiscard]] Result<SelectedTerrain> select_all(Progress& progress) const override;
   [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
                                            Progress& progress) const override;
@@ -41,6 +45,11 @@ class QuadtreeTerrain final : public BuiltModel {
  private:
   [[nodiscard]] bool has_gaps() const { return lode::has_gaps(model()); }
   [[nodiscard]] const squares::SquareDomain& domain() const;
+  /// Fails on what the model has no answer to.
+  [[nodiscard]] Result<void> check_options(const TerrainOptions& options) const;
+  /// The mesh, with heights and errors, and what the report says of it but for its error.
+  [[nodiscard]] Result<SelectedTerrain> select_mesh(const TerrainOptions& options,
+                                                    Progress& progress) const;
   [[nodiscard]] Result<delaunay::Tin> tin_within(double tolerance, Progress& progress) const;
   /// Of those with gaps.
   [[nodiscard]] delaunay::Tin tin_of(const Demand& demand) const;

@@ -68,11 +68,20 @@ class HeightFinder {
   }
 
   [[nodiscard]] TerrainHeight height_at(const Place& at) const {
+    if (terrain_.patches) {
+      if (const auto z = terrain_.patches->height_at(at))
+        return {TerrainHeight::Where::inside, z->height, z->error + z->rounding};
+      return off_terrain(at);
+    }
     if (const auto triangle = finder_->find(at)) {
       const TinHeight z = height_in(*tin_, *triangle, at);
       return {TerrainHeight::Where::inside, z.height,
               terrain_.error_bound(static_cast<double>(tin_->errors[*triangle])) + z.rounding};
     }
+    return off_terrain(at);
+  }
+
+  [[nodiscard]] TerrainHeight off_terrain(const Place& at) const {
     const HeightFrame& frame = terrain_.frame;
     const bool is_in_raster =
         at[0] >= 0 && at[1] >= 0 && at[0] <= frame.n_columns - 1 && at[1] <= frame.n_rows - 1;

@@ -70,6 +70,11 @@ Result<std::shared_ptr<const TerrainParts>> TerrainOrigin::parts(
   return std::shared_ptr<const TerrainParts>{};
 }
 
+Result<std::shared_ptr<const TerrainPatches>> TerrainOrigin::patches(
+    const TerrainOptions& /*options*/, Progress& /*progress*/) const {
+  return std::shared_ptr<const TerrainPatches>{};
+}
+
 Result<SelectedTerrain> TerrainOrigin::select_all(Progress& progress) const {
   return select({.max_error = 0}, delaunay::TinLinks::kept, progress);
 }

@@ -39,7 +39,8 @@ class SightWay {
       const ProfilePoint& here = profile[i];
       const bool is_gap = i + 1 < profile.size() && profile[i + 1].starts_part;
       add(here.t, here.height, here.error, here.rounding, is_gap);
-      if (i + 1 < profile.size() && !is_gap) cut(here, profile[i + 1]);
+      points_.back().is_step = here.is_step;
+      if (i + 1 < profile.size() && !is_gap && !here.is_step) cut(here, profile[i + 1]);
     }
     return {};
   }

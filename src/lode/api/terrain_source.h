@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "lode/core/height_frame.h"
 #include "lode/core/height_grid.h"
@@ -10,6 +12,7 @@
 #include "lode/core/result.h"
 #include "lode/delaunay/predicates.h"
 #include "lode/delaunay/tin.h"
+#include "lode/locate/tin_profile.h"
 
 namespace lode {
 
@@ -37,6 +40,32 @@ class TerrainParts {
                                                     Progress& progress) const = 0;
 };
 
+/// A surface of patches, each with its own error, that need not meet: what a model has whose
+/// triangles leave gaps. Patches are closed; where several meet the smallest has the place, of
+/// equal ones that of the least row, then column, then the lower half. Const members are safe from
+/// many threads.
+class TerrainPatches {
+ public:
+  struct Height {
+    double height = 0;
+    double rounding = 0;
+    double error = 0;  ///< Of the patch.
+  };
+
+  virtual ~TerrainPatches() = default;
+  [[nodiscard]] virtual const TerrainReport& report() const = 0;
+  /// Columns and rows of the outermost corners.
+  [[nodiscard]] virtual LatticePoint lower() const = 0;
+  [[nodiscard]] virtual LatticePoint upper() const = 0;
+  /// At a column and row; nothing outside of the domain.
+  [[nodiscard]] virtual std::optional<Height> height_at(const delaunay::Point& at) const = 0;
+  /// As tin_profile() of a TIN, with a point at the end of each patch on the segment, and two where
+  /// patches do not meet. Errors hold of what is linear between points: what bends is cut, and what
+  /// is left of that counts.
+  [[nodiscard]] virtual std::vector<ProfilePoint> profile(const delaunay::Point& a,
+                                                          const delaunay::Point& b) const = 0;
+};
+
 /// What TINs are made of. Const members are safe from many threads.
 class TerrainOrigin {
  public:
@@ -58,6 +87,10 @@ class TerrainOrigin {
   /// does.
   [[nodiscard]] virtual Result<std::shared_ptr<const TerrainParts>> parts(
       const TerrainOptions& options) const;
+  /// The patches that select() makes triangles of, where these leave gaps, else null; errors hold
+  /// everywhere where the options have samples. Fails as select() does.
+  [[nodiscard]] virtual Result<std::shared_ptr<const TerrainPatches>> patches(
+      const TerrainOptions& options, Progress& progress) const;
   /// The TIN of all samples or points of the domain, with heights and twins, by the rule of
   /// to_full_tin() where it is of a raster. Fails where not all heights are at hand.
   [[nodiscard]] virtual Result<SelectedTerrain> select_all(Progress& progress) const;

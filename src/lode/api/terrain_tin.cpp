@@ -1,6 +1,7 @@
 #include "lode/api/terrain_tin.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <utility>
 
@@ -45,6 +46,7 @@ void TerrainTin::Impl::find_rectangle() {
 
 Result<std::vector<ProfilePoint>> TerrainTin::Impl::profile(const Place& a, const Place& b,
                                                             Progress& progress) const {
+  if (patches) return patches->profile(a, b);
   if (!parts) return tin_profile(tin, a, b);
   LODE_TRY(const delaunay::Tin near, parts->along(a, b, progress));
   return tin_profile(near, a, b);
@@ -62,6 +64,16 @@ Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptio
       impl->upper = impl->parts->upper();
       impl->terrain = terrain;
       impl->options = options;
+      return TerrainTin(std::move(impl));
+    }
+  }
+  if (use == TinUse::places) {
+    LODE_TRY(impl->patches, terrain.origin().patches(options, progress));
+    if (impl->patches) {
+      impl->report = impl->patches->report();
+      impl->lower = impl->patches->lower();
+      impl->upper = impl->patches->upper();
+      impl->terrain = terrain;
       return TerrainTin(std::move(impl));
     }
   }
@@ -98,6 +110,7 @@ Result<TerrainProfile> TerrainTin::profile(const Place& from, const Place& to,
                 from[0], from[1], to[0], to[1]);
   LODE_TRY(const std::vector<ProfilePoint> points, impl_->profile(a, b, progress));
   double error = 0;
+  bool is_step = false;
   for (const ProfilePoint& point : points) {
     const double before = distance;
     const Place at = point.t == 1 ? to : place_at(point.t);
@@ -109,6 +122,11 @@ Result<TerrainProfile> TerrainTin::profile(const Place& from, const Place& to,
     row.bound =
         impl_->error_bound(is_new ? point.error : std::max(error, point.error)) + point.rounding;
     error = point.error;
+    if (point.is_step) ++profile.n_steps;
+    if (is_step)
+      profile.largest_step =
+          std::max(profile.largest_step, std::abs(row.height - profile.points.back().height));
+    is_step = point.is_step;
     profile.points.push_back(row);
   }
   const double before = distance;

@@ -47,7 +47,10 @@ struct TerrainProfile {
 
   std::vector<Point> points;
   std::vector<Gap> gaps;
-  double length = 0;  ///< Of the segment.
+  /// Where surfaces do not meet: two points at one place and distance.
+  std::uint64_t n_steps = 0;
+  double largest_step = 0;  ///< Of heights.
+  double length = 0;        ///< Of the segment.
   double seconds = 0;
 };
 
@@ -84,7 +87,8 @@ struct TerrainSight;
 struct TerrainSightOptions;
 
 /// What a TIN is asked for. places: heights(), profile() and sight() alone; of a model in a file
-/// they then read what is near the places, where that is less, and find the same.
+/// they then read what is near the places, where that is less, and find the same; of one whose
+/// triangles leave gaps there is no other use, and its own surfaces are asked (TerrainPatches).
 enum class TinUse : std::uint8_t { all, places };
 
 /// A TIN of a terrain, to ask of. Const members are safe from many threads.

@@ -35,7 +35,9 @@ struct TerrainTin::Impl {
   TerrainReport report;
   delaunay::Tin tin;
   std::shared_ptr<const TerrainParts> parts{};  ///< In the TIN's place, where there are.
-  /// Of what the parts are, where more is wanted than that.
+  /// The same of a model whose surfaces do not meet.
+  std::shared_ptr<const TerrainPatches> patches{};
+  /// Of what parts and patches are.
   std::optional<Terrain> terrain{};
   TerrainOptions options{};
   delaunay::LatticePoint lower{};  ///< Of all vertices.
@@ -56,9 +58,10 @@ struct TerrainTin::Impl {
   /// What tin_profile() of the whole TIN is.
   [[nodiscard]] Result<std::vector<ProfilePoint>> profile(const Place& a, const Place& b,
                                                           Progress& progress) const;
-  /// Of a triangle's, kept as floats rounded up, none is above the whole's.
+  /// Of a triangle's, kept as floats rounded up, none is above the whole's. Of patches there may be
+  /// more between points of a profile, as they bend.
   [[nodiscard]] double error_bound(double error) const {
-    return std::min(error, report.achieved_error);
+    return patches ? error : std::min(error, report.achieved_error);
   }
   [[nodiscard]] Place to_lattice(const Place& world) const {
     return frame.snapped_lattice(world[0], world[1]);

@@ -46,6 +46,7 @@ class SightFinder {
         answer.has_gap = true;
         continue;
       }
+      if (points_[i].is_step) continue;
       const SightObstruction here = obstruction(i);
       if (here.low > 0) return {SightVerdict::blocked, here, answer.has_gap};
       if (!worst || here.high > worst->high) worst = here;

@@ -7,11 +7,14 @@ namespace lode {
 
 /// A place of a profile that a line of sight runs over, in one unit of length.
 struct SightPoint {
-  double distance = 0;  ///< From the observer's place; rises.
+  double distance = 0;  ///< From the observer's place; rises, but at steps.
   double height = 0;
   double error = 0;     ///< Of the surface between here and the next point.
   double rounding = 0;  ///< Of the height.
   bool is_gap = false;  ///< No surface between here and the next point.
+  /// The next point is at the same distance, on another surface: those that are meant keep the
+  /// errors of both there.
+  bool is_step = false;
 };
 
 struct SightOptions {

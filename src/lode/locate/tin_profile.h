@@ -16,6 +16,8 @@ struct ProfilePoint {
   double rounding = 0;  ///< Of the height.
   double error = 0;     ///< Of the triangle from here to the next point; 0 at the end of a part.
   bool starts_part = false;  ///< Outside of all triangles just before.
+  /// Of surfaces that do not meet: the next point is at the same place, on the other surface.
+  bool is_step = false;
 };
 
 /// The profile of a TIN with errors and heights: between points of a part it is linear, and nothing
