@@ -1,6 +1,10 @@
 // Quadtrees over rasters of any size, with and without gaps in their heights.
+#include <array>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <optional>
+#include <set>
 
 #include "lode/mappers/tin_gaps.h"
 #include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
@@ -237,6 +241,125 @@ TEST(tin_gaps, are_found_and_closed) {
   tin.triangles = {{0, 2, 3}};
   EXPECT_EQ(measure_gaps(tin).n_hanging, 1U);
   EXPECT_EQ(measure_gaps(tin).largest, 4);
+}
+
+/// What the size theorem (section 4 of the survey) counts of a tree: its regions, the simple ones
+/// (leaves), where it begins, and how many that are wholly beyond the domain its subdivisions lack.
+struct TreeSize {
+  std::size_t n_regions = 0;
+  std::size_t n_simple = 0;
+  std::size_t n_roots = 0;
+  std::size_t n_lacking = 0;
+  std::size_t n_lacking_one_or_more = 0;  ///< Subdivisions.
+};
+
+/// A region is a square, or half of one, by level, column, row and half.
+using Region = std::array<std::int32_t, 4>;
+
+/// From the leaves up; parent_of(region) is a region, or nothing of a root.
+TreeSize size_of(const std::vector<Region>& leaves,
+                 const std::function<std::optional<Region>(const Region&)>& parent_of) {
+  std::map<Region, std::set<Region>> children;
+  std::set<Region> roots;
+  for (const Region& leaf : leaves) {
+    Region at = leaf;
+    while (const auto parent = parent_of(at)) {
+      children[*parent].insert(at);
+      at = *parent;
+    }
+    roots.insert(at);
+  }
+  TreeSize size{.n_simple = leaves.size(), .n_roots = roots.size()};
+  for (const Region& leaf : leaves) EXPECT_FALSE(children.contains(leaf)) << "it is none";
+  size.n_regions = leaves.size() + children.size();
+  for (const auto& [parent, parts] : children) {
+    EXPECT_LE(parts.size(), 4U);
+    size.n_lacking += 4 - parts.size();
+    size.n_lacking_one_or_more += parts.size() < 4 ? 1 : 0;
+  }
+  return size;
+}
+
+Region square_region(const Square& q) { return {q.level, q.column, q.row, 0}; }
+
+std::optional<Region> square_above(const Region& region, std::int32_t n_levels) {
+  if (region[0] + 1 == n_levels) return {};
+  return Region{region[0] + 1, region[1] / 2, region[2] / 2, 0};
+}
+
+std::optional<Region> half_above(const Region& region, std::int32_t n_levels) {
+  if (region[0] + 1 == n_levels) return {};
+  const Square above{region[0] + 1, region[1] / 2, region[2] / 2};
+  for (const bool is_upper : {false, true})
+    for (int i = 0; i < 4; ++i) {
+      const quaternary_triangulation::HalfSquare parent{above, is_upper};
+      const auto child = parent.child(i);
+      if (square_region(child.square) == Region{region[0], region[1], region[2], 0} &&
+          child.is_upper == (region[3] == 1))
+        return Region{above.level, above.column, above.row, is_upper ? 1 : 0};
+    }
+  ADD_FAILURE() << "a half without a parent";
+  return {};
+}
+
+/// Each subdivision has four regions (b = 4), but for those beyond the domain, which are none. So
+/// regions = (4 simple - roots + lacking) / 3: fewer than 4/3 of the simple ones where nothing is
+/// lacking, or less than there are roots.
+void expect_size(const TreeSize& size, const HeightGrid& grid) {
+  EXPECT_EQ(3 * size.n_regions, 4 * size.n_simple - size.n_roots + size.n_lacking);
+  if (size.n_lacking < size.n_roots) EXPECT_LT(3 * size.n_regions, 4 * size.n_simple);
+  const bool is_whole = grid.n_missing() == 0;
+  if (is_whole && grid.n_columns == 33 && grid.n_rows == 33) {
+    EXPECT_EQ(size.n_lacking, 0U);
+    EXPECT_LT(3 * size.n_regions, 4 * size.n_simple);
+  }
+  // Without gaps squares lack parts along the last column and row of each level alone.
+  if (!is_whole) return;
+  std::size_t n_rim = 0;
+  for (int level = 1;
+       (grid.n_columns - 2) >> (level - 1) > 0 || (grid.n_rows - 2) >> (level - 1) > 0; ++level)
+    n_rim += 2 * static_cast<std::size_t>(((grid.n_columns - 2) >> level) +
+                                          ((grid.n_rows - 2) >> level) + 1);
+  EXPECT_LE(size.n_lacking_one_or_more, n_rim);
+}
+
+TEST(quadtrees, have_fewer_than_four_thirds_of_their_simple_regions_but_for_what_lies_beyond) {
+  std::size_t n_above = 0;
+  std::size_t n_below = 0;
+  for (const Case& c : cases()) {
+    Progress progress;
+    const auto squares = surface_quadtree::SurfaceQuadtree::build(c.grid, {2}, progress);
+    const auto halves =
+        quaternary_triangulation::QuaternaryTriangulation::build(c.grid, {2}, progress);
+    ASSERT_TRUE(squares && halves);
+    const std::int32_t n_levels = squares->domain().n_levels();
+    const auto above = [&](const Region& region) { return square_above(region, n_levels); };
+    for (const double tolerance : kTolerances) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      std::vector<Region> leaves;
+      for (const Square& leaf : squares->leaves(tolerance)) leaves.push_back(square_region(leaf));
+      const TreeSize surface = size_of(leaves, above);
+      expect_size(surface, c.grid);
+      leaves.clear();
+      const auto restricted = restricted_quadtree::build(squares->domain(), tolerance, progress);
+      ASSERT_TRUE(restricted);
+      for (const auto& leaf : *restricted) leaves.push_back(square_region(leaf.square));
+      expect_size(size_of(leaves, above), c.grid);
+      leaves.clear();
+      for (const auto& leaf : halves->leaves(tolerance)) {
+        leaves.push_back(square_region(leaf.square));
+        leaves.back()[3] = leaf.is_upper ? 1 : 0;
+      }
+      const TreeSize quaternary =
+          size_of(leaves, [&](const Region& region) { return half_above(region, n_levels); });
+      expect_size(quaternary, c.grid);
+      for (const TreeSize& size : {surface, quaternary})
+        ++(3 * size.n_regions < 4 * size.n_simple ? n_below : n_above);
+    }
+  }
+  // Both are met with: strips and gaps have subdivisions of one region or two.
+  EXPECT_GT(n_above, 10U);
+  EXPECT_GT(n_below, 10U);
 }
 
 TEST(quadtrees, refuse_rasters_without_a_cell) {
