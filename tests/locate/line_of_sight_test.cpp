@@ -118,6 +118,25 @@ TEST(line_of_sight, lets_the_ray_touch_and_names_the_first_obstruction) {
   EXPECT_EQ(find_sight(slope, {.observer_height = 2}).verdict, SightVerdict::visible);
 }
 
+TEST(line_of_sight, holds_against_both_surfaces_at_a_step) {
+  // Up to `left` in the middle, and down from `right`; eyes at 5 at both ends.
+  const auto seen = [](double left, double right, double error) {
+    const std::vector<SightPoint> points{
+        {0, 0, 0, 0, false},          {40, 0, error, 0, false}, {50, left, 0, 0, false, true},
+        {50, right, error, 0, false}, {60, 0, 0, 0, false},     {100, 0, 0, 0, false}};
+    return find_sight(points, {.observer_height = 5, .target_height = 5});
+  };
+  EXPECT_EQ(seen(4, 2, 0).verdict, SightVerdict::visible) << "there is nothing to look through";
+  EXPECT_EQ(seen(6, 2, 0).verdict, SightVerdict::blocked);
+  EXPECT_EQ(seen(2, 6, 0).verdict, SightVerdict::blocked);
+  EXPECT_FALSE(seen(2, 6, 0).has_gap);
+  // The step itself, which states no error, decides nothing.
+  EXPECT_EQ(seen(6, 2, 2).verdict, SightVerdict::undecided);
+  EXPECT_EQ(seen(2, 6, 2).verdict, SightVerdict::undecided);
+  EXPECT_EQ(seen(8, 2, 2).verdict, SightVerdict::blocked);
+  EXPECT_EQ(seen(2, 2, 2).verdict, SightVerdict::visible);
+}
+
 TEST(line_of_sight, is_undecided_over_gaps_unless_blocked) {
   std::vector<SightPoint> way{{0, 0}, {100, 0, 0, 0, true}, {200, 0}, {300, 0}};
   const SightOptions options{.observer_height = 10, .target_height = 10};
