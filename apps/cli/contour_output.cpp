@@ -32,10 +32,11 @@ Vec3d origin_of(const TerrainContours& contours) {
   return {{std::floor(lower[0]), std::floor(lower[1]), 0}};
 }
 
-Result<Surface> to_line_surface(const TerrainContours& contours) {
+Result<PlacedSurface> to_line_surface(const TerrainContours& contours) {
   if (contours.n_points > std::numeric_limits<std::uint32_t>::max())
     return fail("expected at most 2^32 points for .vtp, got {}", contours.n_points);
-  Surface surface;
+  PlacedSurface placed;
+  Surface& surface = placed.surface;
   surface.origin = origin_of(contours);
   for (const TerrainContours::Line& line : contours.lines) {
     const auto first = static_cast<std::uint32_t>(surface.positions.size());
@@ -46,6 +47,7 @@ Result<Surface> to_line_surface(const TerrainContours& contours) {
       surface.positions.push_back(
           {{static_cast<float>(at[0] - surface.origin[0]),
             static_cast<float>(at[1] - surface.origin[1]), static_cast<float>(line.height)}});
+      placed.places.push_back({{at[0], at[1], line.height}});
       surface.values.push_back(line.height);
       if (i + 1 < n)
         surface.lines.push_back({first + i, first + i + 1});
@@ -53,7 +55,7 @@ Result<Surface> to_line_surface(const TerrainContours& contours) {
         surface.lines.push_back({first + i, first});
     }
   }
-  return surface;
+  return placed;
 }
 
 }  // namespace
@@ -61,9 +63,11 @@ Result<Surface> to_line_surface(const TerrainContours& contours) {
 Result<void> write_contours(const std::string& path, const TerrainAnswerer& answerer,
                             const TerrainContours& contours, Progress& progress) {
   if (is_vtp_path(path)) {
-    LODE_TRY(const Surface surface, to_line_surface(contours));
-    return write_surface(path, surface,
-                         {.comment = contour_comment(answerer), .value_name = "height"}, progress);
+    LODE_TRY(const PlacedSurface placed, to_line_surface(contours));
+    return write_surface(
+        path, placed.surface,
+        {.comment = contour_comment(answerer), .value_name = "height", .places = placed.places},
+        progress);
   }
   LODE_TRY(VectorWriter writer,
            VectorWriter::create(path, {.name = "contours",

@@ -144,9 +144,11 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
              Session& session) {
   constexpr double kMuch = 1e-3;
   if (report.height_slack > kMuch * report.max_error)
-    session.warn(
-        fmt::format("coordinates are floats: heights of vertices in {} are off by up to {}",
-                    job.output, format_number(report.height_slack)));
+    session.warn(fmt::format(
+        "coordinates are floats: heights of vertices in {} are off by up to {}{}; .ply, .obj and "
+        ".vtp hold them in float64",
+        job.output, format_number(report.height_slack),
+        opened.facts.frame.vertical_unit.empty() ? "" : " " + opened.facts.frame.vertical_unit));
   if (report.n_turned > 0)
     session.warn(
         fmt::format("coordinates are floats: {} triangles in {}, thinner than these tell, "
@@ -304,9 +306,13 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                            {.comment = comment_of(made.report, opened, options.order),
                             .value_name = "height",
                             .node_name = "terrain",
-                            .metres = metres_of_axes(job, opened, session)},
+                            .metres = metres_of_axes(job, opened, session),
+                            .places = made.places},
                            session.progress()));
-  return Written{made.report, {}, watch.seconds(), made.clip};
+  TerrainReport report = made.report;
+  if (!made.places.empty() && can_hold_places(job.output))
+    report.height_slack = report.position_slack = 0;
+  return Written{report, {}, watch.seconds(), made.clip};
 }
 
 Result<Outcome> run_model_info(const std::string& path, Session& session) {

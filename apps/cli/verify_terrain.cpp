@@ -98,12 +98,14 @@ Result<VerifyReport> verify_points(const TerrainVerifyJob& job, std::optional<do
            open_terrain(job.input, job.terrain, job.reading, {}, max_error, session,
                         {.has_shares = is_share(job.max_error)}));
   set_share(job.max_error, opened.terrain.range(), max_error);
-  LODE_TRY(const Surface surface, read_surface(job.surface));
+  LODE_TRY(const PlacedSurface placed, read_placed_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain));
-  return verify_terrain(
-      *opened.points, surface,
-      {.max_error = max_error.value_or(0), .shape = shape, .threads = session.threads()},
-      session.progress());
+  return verify_terrain(*opened.points, placed.surface,
+                        {.max_error = max_error.value_or(0),
+                         .shape = shape,
+                         .threads = session.threads(),
+                         .places = placed.places},
+                        session.progress());
 }
 
 }  // namespace
@@ -138,13 +140,14 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
     return verify_points(job, max_error, session);
   LODE_TRY(const OpenedTerrain raster, open_raster(job.input, job, session));
   set_share(job.max_error, raster.terrain.range(), max_error);
-  LODE_TRY(const Surface surface, read_surface(job.surface));
+  LODE_TRY(const PlacedSurface placed, read_placed_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain));
-  return verify_terrain(*raster.grid, surface,
+  return verify_terrain(*raster.grid, placed.surface,
                         {.max_error = max_error.value_or(0),
                          .shape = shape,
                          .matches_sides = !built_model_of(job.terrain.model),
-                         .threads = session.threads()},
+                         .threads = session.threads(),
+                         .places = placed.places},
                         session.progress());
 }
 

@@ -82,6 +82,17 @@ TEST_F(cli_terrain_contours, lie_within_the_error_of_the_samples) {
   }
 }
 
+TEST_F(cli_terrain_contours, have_coordinates_in_float64_in_vtp) {
+  ASSERT_EQ(run_lode({"contours", dem_, scratch_ / "lines.vtp", "--isovalue", "800.1",
+                      "--max-error", "0"})
+                .exit_code,
+            0);
+  const auto placed = read_placed_surface(scratch_ / "lines.vtp");
+  ASSERT_TRUE(placed) << placed.error().message;
+  ASSERT_FALSE(placed->places.empty());
+  for (const Vec3d& place : placed->places) EXPECT_EQ(place[2], 800.1);
+}
+
 TEST_F(cli_terrain_contours, are_the_same_bytes_for_any_number_of_threads) {
   for (const char* n : {"1", "4"})
     ASSERT_EQ(run_lode({"contours", dem_, scratch_ / (std::string(n) + ".vtp"), "--interval", "20",

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -278,6 +279,36 @@ TEST(cli_terrain, keeps_digits_of_esri_ascii) {
   const auto json =
       run_lode({"height", dem, "--at", "0.5,1.5", "--max-error", "0", "--json"}).json();
   EXPECT_EQ(json.at("points").at(0).at("height"), 1000000000.1) << json.dump(2);
+}
+
+TEST(cli_terrain, keeps_digits_of_heights_that_are_far_apart) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  std::string text = "ncols 20\nnrows 12\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\n";
+  for (int i = 0; i < 20 * 12; ++i)
+    text += fmt::format("{:.2f} ", (i % 20 > 12 ? 1e9 : 0.0) + i * 37 % 101 / 100.0);
+  write_bytes(dem, text);
+  for (const char* name : {"out.ply", "out.obj", "out.vtp"}) {
+    const std::string out = scratch / name;
+    const Finished made = run_lode({"extract", dem, out, "--max-error", "0.05", "--json"});
+    EXPECT_EQ(made.json().at("height_slack"), 0) << name;
+    EXPECT_EQ(made.err.find("are floats"), std::string::npos) << made.err;
+    const Finished check = run_lode({"verify", dem, "--surface", out, "--max-error", "0.05"});
+    EXPECT_EQ(check.exit_code, 0) << name << check.out << check.err;
+  }
+  const Finished glb =
+      run_lode({"extract", dem, scratch / "out.glb", "--max-error", "0.05", "--json"});
+  EXPECT_GT(glb.json().at("height_slack"), 0.5);
+  EXPECT_NE(glb.err.find("off by up to "), std::string::npos) << glb.err;
+  EXPECT_NE(glb.err.find(".ply, .obj and .vtp hold them"), std::string::npos) << glb.err;
+  EXPECT_NE(
+      run_lode({"verify", dem, "--surface", scratch / "out.glb", "--max-error", "0.05"}).exit_code,
+      0);
+  expect_refusal(run_lode({"extract", dem, scratch / "out.stl", "--max-error", "0.05"}), 1,
+                 {"out.stl", "STL holds float32", ".ply"});
+  // GeoTIFF, by itself.
+  const auto tif = run_lode({"extract", dem, scratch / "out.tif", "--max-error", "0.05", "--json"});
+  EXPECT_LE(tif.json().at("raster").at("error").get<double>(), 0.05) << tif.out;
 }
 
 TEST(cli_terrain, says_how_growth_is_measured) {

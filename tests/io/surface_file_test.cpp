@@ -101,6 +101,38 @@ TEST_P(surface_formats, give_back_large_origins_exactly_or_say_why_not) {
   EXPECT_EQ(read.triangles, torus.triangles);
 }
 
+TEST_P(surface_formats, give_back_places_in_float64_where_they_can_hold_them) {
+  const std::string path = temporary_path("places") + extension();
+  for (const Vec3d& origin : {Vec3d{{0, 0, 0}}, Vec3d{{5e5, 4e6, 1e3}}}) {
+    Surface surface = make_torus(6);
+    surface.origin = origin;
+    std::vector<Vec3d> places;
+    for (std::uint32_t v = 0; v < surface.positions.size(); ++v)
+      places.push_back(surface.world_position(v) + Vec3d{{0, 0, v % 2 == 0 ? 1e9 + 0.01 : 0.01}});
+    Progress progress;
+    const auto written = write_surface(path, surface, {.places = places}, progress);
+    // STL has no origin.
+    ASSERT_EQ(written.has_value(), !is_stl() || origin == Vec3d{});
+    if (!written) continue;
+    const auto read = read_placed_surface(path);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->places.empty(), !can_hold_places(path));
+    if (can_hold_places(path)) EXPECT_EQ(read->places, places);
+    // STL numbers corners anew.
+    EXPECT_EQ(read->surface.triangles.size(), surface.triangles.size());
+    if (!is_stl()) EXPECT_EQ(read->surface.triangles, surface.triangles);
+    ::unlink(path.c_str());
+  }
+  // What floats have comes without.
+  Progress progress;
+  const Surface plain = make_torus(6);
+  ASSERT_TRUE(write_surface(path, plain, {}, progress));
+  const auto read = read_placed_surface(path);
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->places.empty());
+  ::unlink(path.c_str());
+}
+
 TEST_P(surface_formats, keep_small_surfaces_far_from_zero_without_an_origin) {
   Surface torus = make_torus(6);
   for (Vec3f& p : torus.positions) p[0] = p[0] * 1e-3F + 3000.1F;

@@ -237,6 +237,31 @@ TEST(terrain, states_how_far_coordinates_in_floats_are_off) {
   EXPECT_EQ(failed(verify(grid, made.surface, 0.5)), "");
 }
 
+TEST(terrain, has_places_in_float64_where_heights_are_too_far_apart_for_floats) {
+  // A tower of 1e9 on one side, centimetres on both.
+  const HeightGrid grid = make_grid<double>(24, 17, [](std::int32_t x, std::int32_t y) {
+    return (x > 14 ? 1e9 : 0.0) + 0.01 * std::round(hills(x, y));
+  });
+  const TerrainSurface made = extract(grid, {.max_error = 0.02});
+  EXPECT_GT(made.report.height_slack, 0.5);
+  ASSERT_EQ(made.places.size(), made.surface.positions.size());
+  const auto verified = [&](std::span<const Vec3d> places) {
+    Progress progress;
+    return failed(
+        verify_terrain(grid, made.surface, {.max_error = 0.02, .places = places}, progress)
+            .value());
+  };
+  EXPECT_NE(verified({}), "") << "floats have other heights";
+  EXPECT_EQ(verified(made.places), "");
+  // A centimetre off is seen.
+  std::vector<Vec3d> moved = made.places;
+  for (Vec3d& place : moved)
+    if (place[2] > 1e8) place[2] += 0.03;
+  EXPECT_NE(verified(moved), "");
+  // Floats that have all heights have no places.
+  EXPECT_TRUE(extract(hilly_grid(true), {.max_error = 40}).places.empty());
+}
+
 TEST(terrain, keeps_max_cells_and_says_what_error_that_leaves) {
   const HeightGrid grid = hilly_grid(true);
   double last = 1e9;

@@ -70,10 +70,15 @@ bool holds_tetrahedra(const std::string& path) {
   return is_cell_mesh_path(path) || (is_lode_path(path) && TetraDataset::is_model_of(path));
 }
 
-Result<Surface> read_surface(const std::string& path) try {
-  LODE_TRY(Surface surface, io::read_surface(path));
-  if (has_extension(path, ".stl")) split_pinched_vertices(surface);
-  return surface;
+Result<Surface> read_surface(const std::string& path) {
+  LODE_TRY(PlacedSurface placed, read_placed_surface(path));
+  return std::move(placed.surface);
+}
+
+Result<PlacedSurface> read_placed_surface(const std::string& path) try {
+  LODE_TRY(PlacedSurface placed, io::read_placed_surface(path));
+  if (has_extension(path, ".stl")) split_pinched_vertices(placed.surface);
+  return placed;
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the surface", path);
 }

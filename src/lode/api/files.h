@@ -43,6 +43,7 @@ using io::AveragedField;
 using io::ByteOrder;
 using io::can_hold_isovalues;
 using io::can_hold_lines;
+using io::can_hold_places;
 using io::can_hold_values;
 using io::check_mesh_path;
 using io::check_surface_path;
@@ -108,6 +109,8 @@ using io::write_vtu;
 /// As io::read_surface; where a format without indices (STL) made one vertex of two with equal
 /// coordinates, each fan of triangles has its own again.
 [[nodiscard]] Result<Surface> read_surface(const std::string& path);
+/// The same with coordinates in float64: io::read_placed_surface.
+[[nodiscard]] Result<PlacedSurface> read_placed_surface(const std::string& path);
 
 /// Extracts isosurfaces into a file, whole or not at all: piece by piece where comes_in_pieces()
 /// and the format (.ply, .stl, .vtp) allow it, so that the surface may be larger than memory; the

@@ -114,7 +114,7 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
   report.position_slack = made.position_slack;
   report.n_turned = made.n_turned;
   report.seconds = watch.seconds();
-  return TerrainSurface{std::move(made.surface), report, clipped};
+  return TerrainSurface{std::move(made.surface), std::move(made.places), report, clipped};
 } catch (const std::bad_alloc&) {
   return out_of_memory("select samples");
 }
@@ -126,7 +126,8 @@ Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surfa
       check_tin(surface, grid,
                 {.max_error = options.max_error,
                  .seams = options.shape == TinShape::tiles ? TinSeams::allowed : TinSeams::none,
-                 .threads = options.threads},
+                 .threads = options.threads,
+                 .places = options.places},
                 progress));
   return to_report(facts, options.max_error, options.shape,
                    fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y),
@@ -159,7 +160,7 @@ Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin
 
 namespace {
 
-/// `Mesh`: Surface or delaunay::Tin.
+/// `Mesh`: PlacedSurfaceView or delaunay::Tin.
 template <typename Mesh>
 Result<VerifyReport> verify_of_points(const PointTerrain& terrain, const Mesh& mesh,
                                       const TerrainVerifyOptions& options, Progress& progress) {
@@ -197,7 +198,7 @@ Result<VerifyReport> verify_fine_point_tin(const PointTerrain& terrain, const He
 
 Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
                                     const TerrainVerifyOptions& options, Progress& progress) try {
-  return verify_of_points(terrain, surface, options, progress);
+  return verify_of_points(terrain, PlacedSurfaceView{surface, options.places}, options, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
 }

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "lode/api/terrain_focus.h"
 #include "lode/api/terrain_model.h"
@@ -51,7 +53,7 @@ struct TerrainReport {
   std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights, or points.
   std::uint64_t n_missing = 0;   ///< Without a height; of rasters.
   std::uint64_t n_left_out = 0;  ///< With one, but not in the domain.
-  double height_slack = 0;       ///< Rounding of heights in the surface's coordinates.
+  double height_slack = 0;       ///< Rounding of heights in the surface's float coordinates.
   double position_slack = 0;     ///< Of positions, units of the world.
   std::uint64_t n_turned = 0;    ///< Triangles that rounding of positions turns over, or flattens.
   double seconds = 0;
@@ -65,7 +67,9 @@ struct TerrainClip {
 };
 
 struct TerrainSurface {
-  Surface surface;       ///< Triangles, facing up; values are the heights, exactly.
+  Surface surface;  ///< Triangles, facing up; values are the heights, exactly.
+  /// Of PlacedSurface, where floats do not have all heights (TerrainReport::height_slack > 0).
+  std::vector<Vec3d> places;
   TerrainReport report;  ///< Errors are those of the whole TIN; the rest of what is left.
   std::optional<TerrainClip> clip{};
 };
@@ -96,6 +100,8 @@ struct TerrainVerifyOptions {
   /// delaunay_selector have.
   bool matches_sides = false;
   Threads threads{};
+  /// Of PlacedSurface: where the surface has its vertices; empty: at its positions.
+  std::span<const Vec3d> places{};
 };
 
 /// Checks that a surface is a TIN of the grid's samples of that shape, covers exactly the cells

@@ -4,6 +4,7 @@
 #include <array>
 #include <new>
 #include <string_view>
+#include <utility>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/surface_glb.h"
@@ -18,22 +19,34 @@
 namespace lode::io {
 namespace {
 
+/// Formats of floats have no other places.
+Result<PlacedSurface> read_placed_stl(const std::string& path) {
+  LODE_TRY(Surface surface, read_stl(path));
+  return PlacedSurface{std::move(surface)};
+}
+
+Result<PlacedSurface> read_placed_glb(const std::string& path) {
+  LODE_TRY(Surface surface, read_glb(path));
+  return PlacedSurface{std::move(surface)};
+}
+
 struct SurfaceFormat {
   std::string_view extension;
   bool holds_isovalues;
   bool holds_values;
   bool holds_lines;
+  bool holds_places;
   Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&, Progress&);
-  Result<Surface> (*read)(const std::string&);
+  Result<PlacedSurface> (*read)(const std::string&);
   Result<std::unique_ptr<SurfaceStream>> (*stream)(const std::string&, std::uint64_t, Progress&);
 };
 
 constexpr std::array kFormats{
-    SurfaceFormat{".ply", true, true, true, write_ply, read_ply, stream_ply},
-    SurfaceFormat{".stl", false, false, false, write_stl, read_stl, stream_stl},
-    SurfaceFormat{".obj", false, false, true, write_obj, read_obj, nullptr},
-    SurfaceFormat{".vtp", true, true, true, write_vtp, read_vtp, stream_vtp},
-    SurfaceFormat{".glb", true, false, true, write_glb, read_glb, nullptr},
+    SurfaceFormat{".ply", true, true, true, true, write_ply, read_ply, stream_ply},
+    SurfaceFormat{".stl", false, false, false, false, write_stl, read_placed_stl, stream_stl},
+    SurfaceFormat{".obj", false, false, true, true, write_obj, read_obj, nullptr},
+    SurfaceFormat{".vtp", true, true, true, true, write_vtp, read_vtp, stream_vtp},
+    SurfaceFormat{".glb", true, false, true, false, write_glb, read_placed_glb, nullptr},
 };
 
 std::string extension_of(const std::string& path) {
@@ -78,9 +91,15 @@ bool can_hold_lines(const std::string& path) {
   return format != nullptr && format->holds_lines;
 }
 
+bool can_hold_places(const std::string& path) {
+  const SurfaceFormat* format = find_format(path);
+  return format != nullptr && format->holds_places;
+}
+
 Result<void> write_surface(const std::string& path, const Surface& surface,
                            const SurfaceWriteOptions& options, Progress& progress) try {
   LODE_EXPECTS(surface.triangles.empty() || surface.lines.empty());
+  LODE_EXPECTS(options.places.empty() || options.places.size() == surface.positions.size());
   LODE_EXPECTS(surface.normals.empty() || surface.normals.size() == surface.positions.size());
   LODE_EXPECTS(surface.isovalues.empty() || surface.isovalues.size() == surface.positions.size());
   LODE_EXPECTS(surface.values.empty() || surface.values.size() == surface.positions.size());
@@ -109,11 +128,16 @@ Result<std::unique_ptr<SurfaceStream>> stream_surface(const std::string& path,
   return find_format(path)->stream(path, memory_bytes, progress);
 }
 
-Result<Surface> read_surface(const std::string& path) try {
+Result<PlacedSurface> read_placed_surface(const std::string& path) try {
   LODE_CHECK(check_surface_path(path));
   return find_format(path)->read(path);
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the surface", path);
+}
+
+Result<Surface> read_surface(const std::string& path) {
+  LODE_TRY(PlacedSurface placed, read_placed_surface(path));
+  return std::move(placed.surface);
 }
 
 }  // namespace lode::io

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
+#include "lode/core/placed_surface.h"
 #include "lode/core/progress.h"
 #include "lode/core/regular_grid.h"
 #include "lode/core/result.h"
@@ -20,16 +22,19 @@ struct SurfaceWriteOptions {
   /// Metres of a unit of x, y and z, > 0: by how much GLB's node, whose unit is the metre, is
   /// larger than the positions in it. Other formats have no unit.
   Vec3d metres{{1, 1, 1}};
+  /// Where vertices are, in the world and in float64, for formats that can_hold_places(); the
+  /// others have positions and origin. Empty: all have.
+  std::span<const Vec3d> places{};
 };
 
 /// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,
 /// .obj, .vtp or .glb (any case). Normals are written everywhere but to STL, isovalues where
 /// can_hold_isovalues() says so, values, origins and errors where can_hold_values() does,
 /// and further attributes in .vtp. A surface
-/// with an origin is written with double coordinates (PLY, OBJ, VTP) or with the origin as the
-/// node's translation (GLB), and, unless it is empty, refused by STL, which has neither; STL also
-/// refuses lines. At least one of triangles and lines must be empty. Reports the phase "writing";
-/// cancelled until the file is in place, it leaves none.
+/// with an origin, or places in the options, is written with double coordinates (PLY, OBJ, VTP) or
+/// with the origin as the node's translation (GLB), and, unless it is empty, refused by STL, which
+/// has neither; STL also refuses lines. At least one of triangles and lines must be empty. Reports
+/// the phase "writing"; cancelled until the file is in place, it leaves none.
 [[nodiscard]] Result<void> write_surface(const std::string& path, const Surface& surface,
                                          const SurfaceWriteOptions& options, Progress& progress);
 
@@ -39,6 +44,12 @@ struct SurfaceWriteOptions {
 /// back relative to an origin: the one our writer noted, or the lower corner of the bounds.
 /// Survives any bytes, in memory proportional to the file (compressed VTP: to its content).
 [[nodiscard]] Result<Surface> read_surface(const std::string& path);
+
+/// The same with the coordinates of a file of doubles, where positions do not have them exactly.
+[[nodiscard]] Result<PlacedSurface> read_placed_surface(const std::string& path);
+
+/// Whether the format that the extension names can hold coordinates in float64.
+[[nodiscard]] bool can_hold_places(const std::string& path);
 
 /// Whether the format that the extension names has a per-vertex attribute for isovalues.
 [[nodiscard]] bool can_hold_isovalues(const std::string& path);

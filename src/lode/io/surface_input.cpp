@@ -120,17 +120,20 @@ std::optional<Vec3d> parse_origin_note(std::string_view comment) {
   return origin;
 }
 
-Result<void> place_positions(const std::string& path, std::span<const Vec3d> world,
-                             const std::optional<Vec3d>& note, Surface& surface) {
+Result<std::vector<Vec3d>> place_positions(const std::string& path, std::vector<Vec3d> world,
+                                           const std::optional<Vec3d>& note, Surface& surface) {
   for (std::size_t i = 0; i < world.size(); ++i)
     if (!has_finite_coordinates(world[i]))
       return fail("{}: vertex {} is at ({}, {}, {}), expected finite coordinates", path, i,
                   world[i][0], world[i][1], world[i][2]);
   surface.origin = {};
-  if (note && reproduces(*note, world))
+  bool is_exact = true;
+  if (note && reproduces(*note, world)) {
     surface.origin = *note;
-  else if (!reproduces({}, world))
+  } else if (!reproduces({}, world)) {
     surface.origin = lower_corner(world);
+    is_exact = reproduces(surface.origin, world);
+  }
   surface.positions.resize(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Vec3d offset = world[i] - surface.origin;
@@ -138,7 +141,8 @@ Result<void> place_positions(const std::string& path, std::span<const Vec3d> wor
       return fail("{}: coordinates span {} and more, which float32 cannot hold", path, offset[0]);
     surface.positions[i] = narrowed(offset);
   }
-  return {};
+  if (is_exact) world.clear();
+  return world;
 }
 
 Vec3f to_origin(const Vec3d& world, const Surface& surface) {

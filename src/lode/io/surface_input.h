@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
@@ -52,11 +53,13 @@ class SurfaceBytes {
 [[nodiscard]] std::optional<Vec3d> parse_origin_note(std::string_view comment);
 
 /// Sets the positions and the origin from world coordinates. The origin is `note` if it gives
-/// back every coordinate exactly (which it does for all that our writers write), zero if float32
-/// holds every coordinate exactly, else the lower corner of the bounds. Fails for coordinates
-/// that are not finite or span more than float32 can.
-[[nodiscard]] Result<void> place_positions(const std::string& path, std::span<const Vec3d> world,
-                                           const std::optional<Vec3d>& note, Surface& surface);
+/// back every coordinate exactly, zero if float32 holds every coordinate exactly, else the lower
+/// corner of the bounds. Returns the coordinates where positions do not have them exactly, else
+/// none. Fails for coordinates that are not finite or span more than float32 can.
+[[nodiscard]] Result<std::vector<Vec3d>> place_positions(const std::string& path,
+                                                         std::vector<Vec3d> world,
+                                                         const std::optional<Vec3d>& note,
+                                                         Surface& surface);
 
 /// A vertex's origin from world coordinates, as positions are; what does not fit becomes NaN. The
 /// positions must have been placed.

@@ -14,6 +14,8 @@
 namespace lode::io {
 namespace {
 
+/// The comment that digits are those of doubles.
+constexpr std::string_view kPlacesNote = "lode_places";
 constexpr std::uint32_t kNoNormal = ~std::uint32_t{0};
 
 /// Writes n lines of text, appended by add(i, text), in large pieces.
@@ -47,14 +49,17 @@ Result<void> write_comments(SurfaceOutput& file, const Surface& surface,
   // Noted even when zero: it tells the reader that the digits are those of float32.
   header += fmt::format("# {} {} {} {}\n", kOriginNote, surface.origin[0], surface.origin[1],
                         surface.origin[2]);
+  if (!options.places.empty()) header += fmt::format("# {}\n", kPlacesNote);
   return file.write(header);
 }
 
-Result<void> write_vertex_lines(SurfaceOutput& file, const Surface& surface) {
-  const bool is_double = has_origin(surface);
+Result<void> write_vertex_lines(SurfaceOutput& file, const Surface& surface,
+                                std::span<const Vec3d> places) {
+  const bool is_double = has_origin(surface) || !places.empty();
   LODE_CHECK(write_lines(file, surface.positions.size(), [&](std::size_t i, auto out) {
     if (is_double) {
-      const Vec3d p = surface.world_position(static_cast<std::uint32_t>(i));
+      const Vec3d p =
+          PlacedSurfaceView{surface, places}.world_position(static_cast<std::uint32_t>(i));
       fmt::format_to(out, FMT_COMPILE("v {} {} {}\n"), p[0], p[1], p[2]);
     } else {
       const Vec3f& p = surface.positions[i];
@@ -212,13 +217,20 @@ class ObjParser {
   bool has_conflict_ = false;
 };
 
-/// The note among the comments that start the file.
-std::optional<Vec3d> find_origin_note(std::string_view text) {
+/// What the comments that start the file note.
+struct ObjNotes {
+  std::optional<Vec3d> origin{};
+  bool has_places = false;
+};
+
+ObjNotes find_notes(std::string_view text) {
+  ObjNotes notes;
   while (text.starts_with('#')) {
-    const std::optional<Vec3d> note = parse_origin_note(next_line(text).substr(1));
-    if (note) return note;
+    std::string_view comment = next_line(text).substr(1);
+    if (!notes.origin) notes.origin = parse_origin_note(comment);
+    notes.has_places = notes.has_places || next_word(comment) == kPlacesNote;
   }
-  return std::nullopt;
+  return notes;
 }
 
 /// Whether float32 would keep fewer than 18 bits of the extent.
@@ -241,14 +253,15 @@ bool is_far_from_zero(const std::vector<Vec3f>& positions) {
   return positions.size() > 1 && largest > kFar * extent;
 }
 
-Result<Surface> read_as_double(const std::string& path, std::string_view text,
-                               const std::optional<Vec3d>& note) {
+Result<PlacedSurface> read_as_double(const std::string& path, std::string_view text,
+                                     const std::optional<Vec3d>& note) {
   ObjParser<double> parser(path);
   LODE_CHECK(parser.parse(text));
   Surface surface = parser.take_cells();
-  LODE_CHECK(place_positions(path, parser.positions(), note, surface));
+  LODE_TRY(std::vector<Vec3d> places,
+           place_positions(path, std::move(parser.positions()), note, surface));
   LODE_CHECK(check_surface(path, surface));
-  return surface;
+  return PlacedSurface{std::move(surface), std::move(places)};
 }
 
 }  // namespace
@@ -257,22 +270,22 @@ Result<void> write_obj(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, usual_obj_bytes(surface), progress));
   LODE_CHECK(write_comments(file, surface, options));
-  LODE_CHECK(write_vertex_lines(file, surface));
+  LODE_CHECK(write_vertex_lines(file, surface, options.places));
   LODE_CHECK(write_cell_lines(file, surface));
   return file.commit();
 }
 
-Result<Surface> read_obj(const std::string& path) {
+Result<PlacedSurface> read_obj(const std::string& path) {
   LODE_TRY(const SurfaceBytes file, SurfaceBytes::load(path));
-  const std::optional<Vec3d> note = find_origin_note(file.text());
-  if (note && *note != Vec3d{}) return read_as_double(path, file.text(), note);
+  const auto [note, has_places] = find_notes(file.text());
+  if (has_places || (note && *note != Vec3d{})) return read_as_double(path, file.text(), note);
   ObjParser<float> parser(path);
   LODE_CHECK(parser.parse(file.text()));
   if (!note && is_far_from_zero(parser.positions())) return read_as_double(path, file.text(), note);
   Surface surface = parser.take_cells();
   surface.positions = std::move(parser.positions());
   LODE_CHECK(check_surface(path, surface));
-  return surface;
+  return PlacedSurface{std::move(surface)};
 }
 
 }  // namespace lode::io

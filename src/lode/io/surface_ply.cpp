@@ -21,7 +21,7 @@ std::size_t line_bytes(const SurfaceLayout& layout) {
 }
 
 std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& options) {
-  const char* coordinate = layout.has_origin() ? "double" : "float";
+  const char* coordinate = layout.is_double() ? "double" : "float";
   const std::uint64_t n = layout.n_vertices;
   const char* index = n > std::numeric_limits<std::int32_t>::max() ? "uint" : "int";
   std::string header = "ply\nformat binary_little_endian 1.0\n";
@@ -52,7 +52,7 @@ std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& o
 }
 
 std::size_t place_bytes(const SurfaceLayout& layout) {
-  return layout.has_origin() ? sizeof(Vec3d) : sizeof(Vec3f);
+  return layout.is_double() ? sizeof(Vec3d) : sizeof(Vec3f);
 }
 
 std::size_t vertex_bytes(const SurfaceLayout& layout) {
@@ -67,18 +67,22 @@ std::uint64_t ply_bytes(const SurfaceLayout& layout) {
          layout.n_lines * line_bytes(layout);
 }
 
-/// The first n vertices.
+/// The first n vertices; `places`: all or none.
 template <typename Output>
-Result<void> write_vertex_records(Output& file, const Surface& surface, std::size_t n) {
-  const SurfaceLayout layout = SurfaceLayout::of(surface);
+Result<void> write_vertex_records(Output& file, const Surface& surface, std::size_t n,
+                                  std::span<const Vec3d> places = {}) {
+  const SurfaceLayout layout = SurfaceLayout::of(surface, places);
   const auto put_place = [&](std::byte*& out, const Vec3f& place) {
-    if (layout.has_origin())
+    if (layout.is_double())
       put(out, world_place(surface, place));
     else
       put(out, place);
   };
   const auto fill = [&](std::size_t i, std::byte* out) {
-    put_place(out, surface.positions[i]);
+    if (layout.has_places)
+      put(out, places[i]);
+    else
+      put_place(out, surface.positions[i]);
     if (layout.has_normals) put(out, surface.normals[i]);
     if (layout.has_isovalues) put(out, surface.isovalues[i]);
     if (layout.has_values) put(out, surface.values[i]);
@@ -151,10 +155,10 @@ class PlyStream : public SurfaceStream {
 
 Result<void> write_ply(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
-  const SurfaceLayout layout = SurfaceLayout::of(surface);
+  const SurfaceLayout layout = SurfaceLayout::of(surface, options.places);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, ply_bytes(layout), progress));
   LODE_CHECK(file.write(ply_header(layout, options)));
-  LODE_CHECK(write_vertex_records(file, surface, surface.positions.size()));
+  LODE_CHECK(write_vertex_records(file, surface, surface.positions.size(), options.places));
   LODE_CHECK(write_cell_records(file, surface, [](const auto& cell) { return cell; }));
   return file.commit();
 }

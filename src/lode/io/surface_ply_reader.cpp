@@ -155,7 +155,7 @@ class PlyParser {
   PlyParser(const std::string& path, const PlyHeader& header, std::string_view data)
       : path_(path), header_(header), values_(header.encoding, data) {}
 
-  Result<Surface> parse() {
+  Result<PlacedSurface> parse() {
     for (const PlyElement& element : header_.elements) {
       // No properties, no data, whatever the count.
       if (element.properties.empty()) continue;
@@ -167,10 +167,11 @@ class PlyParser {
       else
         LODE_CHECK(parse_cells(element));
     }
-    LODE_CHECK(place_positions(path_, world_, header_.origin_note, surface_));
+    LODE_TRY(std::vector<Vec3d> places,
+             place_positions(path_, std::move(world_), header_.origin_note, surface_));
     for (const Vec3d& origin : origins_) surface_.origins.push_back(to_origin(origin, surface_));
     LODE_CHECK(check_surface(path_, surface_));
-    return std::move(surface_);
+    return PlacedSurface{std::move(surface_), std::move(places)};
   }
 
  private:
@@ -305,7 +306,7 @@ class PlyParser {
 
 }  // namespace
 
-Result<Surface> read_ply(const std::string& path) {
+Result<PlacedSurface> read_ply(const std::string& path) {
   LODE_TRY(const SurfaceBytes file, SurfaceBytes::load(path));
   std::string_view rest = file.text();
   LODE_TRY(const PlyHeader header, parse_ply_header(path, rest));

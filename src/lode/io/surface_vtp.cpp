@@ -33,7 +33,7 @@ bool needs_wide_indices(const SurfaceLayout& surface) {
 }
 
 VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
-  const bool is_double = surface.has_origin();
+  const bool is_double = surface.is_double();
   const char* coordinate = is_double ? "Float64" : "Float32";
   const std::uint64_t n = surface.n_vertices;
   const std::uint64_t point_bytes = n * (is_double ? sizeof(Vec3d) : sizeof(Vec3f));
@@ -139,10 +139,11 @@ Result<void> write_optional(SurfaceOutput& file, const std::optional<VtkXmlArray
   return write_array(file, std::span(data));
 }
 
-/// As positions are: in world units where the surface has an origin.
+/// As points are: in world units where these are doubles.
 template <typename Output>
-Result<void> write_places(Output& file, const Surface& surface, std::span<const Vec3f> places) {
-  if (!has_origin(surface)) return write_array(file, places);
+Result<void> write_places(Output& file, const Surface& surface, std::span<const Vec3f> places,
+                          bool is_double) {
+  if (!is_double) return write_array(file, places);
   const auto fill = [&](std::size_t i, std::byte* out) {
     put(out, world_place(surface, places[i]));
   };
@@ -162,13 +163,14 @@ Result<void> write_patches(SurfaceOutput& file, const Surface& surface, const Vt
 
 /// Attributes and points.
 Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
-                                const VtpLayout& layout) {
+                                std::span<const Vec3d> places, const VtpLayout& layout) {
+  const bool is_double = SurfaceLayout::of(surface, places).is_double();
   LODE_CHECK(write_optional(file, layout.values, surface.values));
   LODE_CHECK(write_optional(file, layout.isovalues, surface.isovalues));
   LODE_CHECK(write_optional(file, layout.normals, surface.normals));
   if (layout.origins) {
     LODE_CHECK(write_array_size(file, *layout.origins));
-    LODE_CHECK(write_places(file, surface, surface.origins));
+    LODE_CHECK(write_places(file, surface, surface.origins, is_double));
   }
   for (std::size_t i = 0; i < layout.attributes.size(); ++i) {
     LODE_CHECK(write_array_size(file, layout.attributes[i]));
@@ -178,7 +180,8 @@ Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
   LODE_CHECK(write_optional(file, layout.regions, surface.regions));
   LODE_CHECK(write_patches(file, surface, layout));
   LODE_CHECK(write_array_size(file, layout.points));
-  return write_places(file, surface, surface.positions);
+  if (!places.empty()) return write_array(file, places);
+  return write_places(file, surface, surface.positions, is_double);
 }
 
 /// Corners of the cells as T, which they may be already.
@@ -235,7 +238,8 @@ class VtpStream : public SurfaceStream {
     const std::size_t n = piece.n_new();
     if (layout_.has_isovalues && n > 0) isovalues_.emplace_back(surface.isovalues.front(), n);
     if (layout_.has_normals) LODE_CHECK(write_array(normals_, std::span(surface.normals).first(n)));
-    LODE_CHECK(write_places(points_, surface, std::span(surface.positions).first(n)));
+    LODE_CHECK(
+        write_places(points_, surface, std::span(surface.positions).first(n), has_origin(surface)));
     LODE_CHECK(write_numbered(piece, surface.triangles));
     return write_numbered(piece, surface.lines);
   }
@@ -303,12 +307,12 @@ class VtpStream : public SurfaceStream {
 
 Result<void> write_vtp(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
-  const SurfaceLayout counts = SurfaceLayout::of(surface);
+  const SurfaceLayout counts = SurfaceLayout::of(surface, options.places);
   const VtpLayout layout = make_vtp_layout(counts, options);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtp_bytes(layout), progress));
   LODE_CHECK(file.write(vtp_head(counts, options)));
   LODE_CHECK(file.write(vtp_piece(counts, options, layout)));
-  LODE_CHECK(write_point_arrays(file, surface, layout));
+  LODE_CHECK(write_point_arrays(file, surface, options.places, layout));
   LODE_CHECK(needs_wide_indices(counts) ? write_cell_arrays<std::int64_t>(file, surface, layout)
                                         : write_cell_arrays<std::int32_t>(file, surface, layout));
   LODE_CHECK(file.write(kVtpEnd));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <pugixml.hpp>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lode/io/image.h"
@@ -44,7 +45,9 @@ pugi::xml_node array_named(pugi::xml_node parent, const char* name) {
   return parent.find_child_by_attribute("DataArray", "Name", name);
 }
 
-Result<void> read_points(const VtkXmlFile& xml, pugi::xml_node data, Surface& surface) {
+/// Returns the places that positions do not have exactly.
+Result<std::vector<Vec3d>> read_points(const VtkXmlFile& xml, pugi::xml_node data,
+                                       Surface& surface) {
   const pugi::xml_node piece = data.child("Piece");
   LODE_TRY(const std::uint64_t n, count_of(xml, piece, "NumberOfPoints"));
   std::vector<Vec3d> world;
@@ -59,7 +62,7 @@ Result<void> read_points(const VtkXmlFile& xml, pugi::xml_node data, Surface& su
     LODE_TRY(const std::vector<double> origin, read_array(xml, array, 3));
     note = Vec3d{{origin[0], origin[1], origin[2]}};
   }
-  return place_positions(xml.file->path(), world, note, surface);
+  return place_positions(xml.file->path(), std::move(world), note, surface);
 }
 
 Result<void> read_point_data(const VtkXmlFile& xml, pugi::xml_node point_data, Surface& surface) {
@@ -143,7 +146,7 @@ Result<void> read_all_cells(const VtkXmlFile& xml, pugi::xml_node piece, Surface
 
 }  // namespace
 
-Result<Surface> read_vtp(const std::string& path) {
+Result<PlacedSurface> read_vtp(const std::string& path) {
   LODE_TRY(const VtkXmlFilePtr xml, open_vtk_xml(path));
   const std::string_view type = xml->root().attribute("type").value();
   if (type != "PolyData")
@@ -153,11 +156,11 @@ Result<Surface> read_vtp(const std::string& path) {
   if (!piece || piece.next_sibling("Piece"))
     return fail("{}: expected PolyData of one piece, got {}", path, piece ? "several" : "none");
   Surface surface;
-  LODE_CHECK(read_points(*xml, data, surface));
+  LODE_TRY(std::vector<Vec3d> places, read_points(*xml, data, surface));
   LODE_CHECK(read_point_data(*xml, piece.child("PointData"), surface));
   LODE_CHECK(read_all_cells(*xml, piece, surface));
   LODE_CHECK(check_surface(path, surface));
-  return surface;
+  return PlacedSurface{std::move(surface), std::move(places)};
 }
 
 }  // namespace lode::io

@@ -64,11 +64,11 @@ class PointTinChecker {
     slack_ = 0x1p-60L * (static_cast<long double>(range.upper) - range.lower);
   }
 
-  /// In floats.
-  void take(const Surface& surface) {
-    triangles_ = turning_left(surface, points_);
-    for (std::uint32_t v = 0; v < surface.positions.size(); ++v)
-      add_vertex(find_point(surface, surface.world_position(v)));
+  /// In floats, or in places.
+  void take(const PlacedSurfaceView& placed) {
+    triangles_ = turning_left(placed.surface, points_);
+    for (std::uint32_t v = 0; v < placed.surface.positions.size(); ++v)
+      add_vertex(find_point(placed, placed.world_position(v)));
   }
   /// Exactly.
   void take(const delaunay::Tin& tin) {
@@ -115,32 +115,36 @@ class PointTinChecker {
     heights_.push_back(points_.heights[point.value_or(0)]);
     facts_.n_off_samples += static_cast<std::uint64_t>(!point.has_value());
   }
-  /// What floats explain of a coordinate.
-  [[nodiscard]] static double rounding_of(const Surface& surface, const Vec3d& world,
+  /// What rounding explains of a coordinate, in floats where there are no places.
+  [[nodiscard]] static double rounding_of(const PlacedSurfaceView& placed, const Vec3d& world,
                                           std::size_t axis) {
-    return 0x1p-23 * std::abs(world[axis] - surface.origin[axis]) +
-           0x1p-51 * std::abs(world[axis]) + 0x1p-149;
+    const double of_floats =
+        placed.places.empty()
+            ? 0x1p-23 * std::abs(world[axis] - placed.surface.origin[axis]) + 0x1p-149
+            : 0;
+    return of_floats + 0x1p-51 * std::abs(world[axis]);
   }
   /// In columns and rows, and a little more.
-  [[nodiscard]] std::array<double, 2> reach_of(const Surface& surface, const Vec3d& world) const {
+  [[nodiscard]] std::array<double, 2> reach_of(const PlacedSurfaceView& placed,
+                                               const Vec3d& world) const {
     constexpr double kMore = 0.05;
     const std::array<double, 6>& g = points_.to_world;
     const double area = std::abs(g[1] * g[5] - g[2] * g[4]);
-    const double x = rounding_of(surface, world, 0);
-    const double y = rounding_of(surface, world, 1);
+    const double x = rounding_of(placed, world, 0);
+    const double y = rounding_of(placed, world, 1);
     return {(std::abs(g[5]) * x + std::abs(g[2]) * y) / area + kMore,
             (std::abs(g[4]) * x + std::abs(g[1]) * y) / area + kMore};
   }
-  [[nodiscard]] std::optional<std::uint32_t> find_point(const Surface& surface,
+  [[nodiscard]] std::optional<std::uint32_t> find_point(const PlacedSurfaceView& placed,
                                                         const Vec3d& world) {
     const Vec<double, 2> at = points_.lattice(world[0], world[1]);
-    const std::array<double, 2> reach = reach_of(surface, world);
+    const std::array<double, 2> reach = reach_of(placed, world);
     const auto node = [&](double x, double y) {
       constexpr double kMost = 1 << 30;
       return LatticePoint{static_cast<std::int32_t>(std::clamp(std::round(x), -1.0, kMost)),
                           static_cast<std::int32_t>(std::clamp(std::round(y), -1.0, kMost))};
     };
-    double allowed = rounding_of(surface, world, 2);
+    double allowed = rounding_of(placed, world, 2);
     if (max_error_ > 0) allowed = std::min(allowed, max_error_);
     std::optional<std::uint32_t> best;
     double least = allowed;
@@ -241,7 +245,7 @@ Result<TinFacts> check_fine_point_tin(const delaunay::Tin& tin, const HeightPoin
   return checker.run(lines, n_samples, threads, progress);
 }
 
-template Result<TinFacts> check_point_tin(const Surface&, const HeightPoints&,
+template Result<TinFacts> check_point_tin(const PlacedSurfaceView&, const HeightPoints&,
                                           std::span<const std::array<std::uint32_t, 2>>,
                                           std::span<const std::array<std::uint32_t, 2>>,
                                           std::uint64_t, double, Threads, Progress&);

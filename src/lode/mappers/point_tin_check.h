@@ -6,8 +6,8 @@
 
 #include "lode/core/height_points.h"
 #include "lode/core/parallel.h"
+#include "lode/core/placed_surface.h"
 #include "lode/core/progress.h"
-#include "lode/core/surface.h"
 #include "lode/delaunay/tin.h"
 #include "lode/mappers/tin_check.h"
 
@@ -20,8 +20,8 @@ namespace lode {
 /// not be Delaunay; `n_samples`: how many points are in the domain. Errors are computed in 64 bits
 /// of mantissa, and what that rounds is allowed. `worst` of what is found is a node of the points'
 /// lattice.
-/// `Mesh`: Surface; or delaunay::Tin, which has places and heights as they are, so that nothing is
-/// allowed for floats.
+/// `Mesh`: PlacedSurfaceView; or delaunay::Tin, which has places and heights as they are, so that
+/// nothing is allowed for floats.
 template <typename Mesh>
 [[nodiscard]] Result<TinFacts> check_point_tin(
     const Mesh& mesh, const HeightPoints& points,

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "lode/core/placed_surface.h"
 #include "lode/mappers/tin_edge_check.h"
 #include "lode/mappers/worst_seen.h"
 
@@ -68,14 +69,14 @@ struct CheckedTin {
 /// Puts the vertices of a surface on samples, whose heights they are to have.
 class SurfaceNodes {
  public:
-  SurfaceNodes(const Surface& surface, const HeightGrid& grid, double max_error)
-      : surface_(surface), grid_(grid), domain_(grid), max_error_(max_error) {}
+  SurfaceNodes(const PlacedSurfaceView& placed, const HeightGrid& grid, double max_error)
+      : placed_(placed), grid_(grid), domain_(grid), max_error_(max_error) {}
 
   CheckedTin find(TinFacts& facts) const {
     CheckedTin tin;
-    tin.triangles = turning_left(surface_, grid_);
-    for (std::uint32_t v = 0; v < surface_.positions.size(); ++v) {
-      const Vec3d world = surface_.world_position(v);
+    tin.triangles = turning_left(placed_.surface, grid_);
+    for (std::uint32_t v = 0; v < placed_.surface.positions.size(); ++v) {
+      const Vec3d world = placed_.world_position(v);
       const Vec<double, 2> at = grid_.lattice(world[0], world[1]);
       const LatticePoint node{to_index(at[0], grid_.n_columns), to_index(at[1], grid_.n_rows)};
       const bool is_near = std::abs(at[0] - node.x) <= kOff && std::abs(at[1] - node.y) <= kOff;
@@ -98,17 +99,19 @@ class SurfaceNodes {
  private:
   static constexpr double kOff = 0.05;  // of a step
 
-  /// What floats explain; and no more than the error, where one is allowed.
+  /// What rounding explains, of floats where there are no places; and no more than the error, where
+  /// one is allowed.
   [[nodiscard]] double allowed_offset(double z) const {
-    const double rounding =
-        0x1p-23 * std::abs(z - surface_.origin[2]) + 0x1p-52 * std::abs(z) + 0x1p-149;
+    const double of_floats =
+        placed_.places.empty() ? 0x1p-23 * std::abs(z - placed_.surface.origin[2]) + 0x1p-149 : 0;
+    const double rounding = of_floats + 0x1p-52 * std::abs(z);
     return max_error_ > 0 ? std::min(rounding, max_error_) : rounding;
   }
   [[nodiscard]] static std::int32_t to_index(double value, std::int32_t n) {
     return static_cast<std::int32_t>(std::lround(std::clamp(value, -1.0, static_cast<double>(n))));
   }
 
-  const Surface& surface_;
+  PlacedSurfaceView placed_;
   const HeightGrid& grid_;
   CheckedDomain domain_;
   double max_error_;
@@ -281,7 +284,7 @@ class TinChecker {
 Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid,
                            const TinCheckOptions& options, Progress& progress) {
   TinFacts facts;
-  CheckedTin tin = SurfaceNodes(surface, grid, options.max_error).find(facts);
+  CheckedTin tin = SurfaceNodes({surface, options.places}, grid, options.max_error).find(facts);
   return TinChecker(std::move(tin), grid, options, progress).run(facts);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "lode/core/height_grid.h"
 #include "lode/core/parallel.h"
@@ -53,6 +54,8 @@ struct TinCheckOptions {
   double max_error = 0;
   TinSeams seams = TinSeams::none;
   Threads threads{};
+  /// Of PlacedSurface: where a surface has its vertices, in place of its positions; empty: there.
+  std::span<const Vec3d> places{};
 };
 
 /// Holds a surface against the samples it was made from, by other means than it was made: nodes of

@@ -58,7 +58,7 @@ TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
   TinSurface made;
   Surface& surface = made.surface;
   if (tin.vertices.empty()) return made;
-  const std::vector<Vec3d> places = place_vertices(tin, frame);
+  std::vector<Vec3d> places = place_vertices(tin, frame);
   surface.origin = choose_origin(places);
   surface.positions.reserve(places.size());
   surface.values.reserve(places.size());
@@ -78,6 +78,7 @@ TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
   if (frame.is_mirrored())
     for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
   made.n_turned = count_turned(surface);
+  if (made.height_slack > 0) made.places = std::move(places);
   return made;
 }
 

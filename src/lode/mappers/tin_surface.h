@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "lode/core/height_frame.h"
 #include "lode/core/surface.h"
@@ -12,6 +13,8 @@ namespace lode {
 /// in their unit, positions along an axis of the world.
 struct TinSurface {
   Surface surface;
+  /// Of PlacedSurface, where floats do not have all heights.
+  std::vector<Vec3d> places{};
   double height_slack = 0;
   double position_slack = 0;
   std::uint64_t n_turned = 0;  ///< Triangles that floats turn over, or make flat.
