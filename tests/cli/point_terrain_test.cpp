@@ -291,6 +291,10 @@ TEST_F(cli_points, refuses_what_cannot_be_meant) {
   expect_refusal(extract({"--class", "7"}), 1, {"hill.las", "got none"});
   expect_refusal(extract({"--max-edge", "0.001"}), 1, {"hill.las", "got none of"});
   expect_refusal(extract({"--crs", "EPSG:none"}), 1, {"hill.las", "EPSG:none"});
+  expect_refusal(extract({"--crs", "EPSG:5773"}), 1,
+                 {"hill.las", "geographic or projected", "heights alone", "--vertical-crs"});
+  expect_refusal(extract({"--crs", "EPSG:4978"}), 1,
+                 {"hill.las", "geographic or projected", "geocentric"});
   expect_refusal(extract({"--outline", scratch_ / "none.csv"}), 1, {"none.csv"});
   write_bytes(scratch_ / "line.xyz", "0 0 1\n1 1 2\n2 2 3\n");
   expect_refusal(run_lode({"extract", scratch_ / "line.xyz", out}), 1,

@@ -311,6 +311,17 @@ TEST(cli_terrain, keeps_digits_of_heights_that_are_far_apart) {
   EXPECT_LE(tif.json().at("raster").at("error").get<double>(), 0.05) << tif.out;
 }
 
+TEST(cli_terrain, refuses_a_crs_without_x_and_y) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  expect_refusal(run_lode({"info", dem, "--crs", "EPSG:5773"}), 1,
+                 {"dem.asc", "geographic or projected", "heights alone", "--vertical-crs"});
+  expect_refusal(run_lode({"info", dem, "--crs", "EPSG:4978"}), 1,
+                 {"dem.asc", "geographic or projected", "geocentric"});
+  EXPECT_EQ(run_lode({"info", dem, "--crs", "EPSG:32611+5773"}).exit_code, 0);
+}
+
 TEST(cli_terrain, says_how_growth_is_measured) {
   const Scratch scratch;
   const std::string dem = scratch / "dem.asc";

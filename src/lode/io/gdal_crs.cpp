@@ -95,6 +95,22 @@ Result<std::string> to_wkt(const std::string& crs) {
   return without_controls(wkt);
 }
 
+Result<std::string> to_horizontal_wkt(const std::string& crs) {
+  LODE_TRY(const GdalCrs read, GdalCrs::of(crs));
+  LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
+  const bool is_horizontal = gdal->is_geographic(read.handle()) != 0 ||
+                             gdal->is_projected(read.handle()) != 0 ||
+                             gdal->is_local(read.handle()) != 0;
+  if (is_horizontal) return to_wkt(crs);
+  const char* kind = gdal->is_geocentric(read.handle()) != 0 ? "a geocentric one, of x, y and z"
+                     : gdal->is_vertical(read.handle()) != 0
+                         ? "one of heights alone, which --vertical-crs takes"
+                         : "another one";
+  return fail(
+      "expected a CRS of x and y, geographic or projected, perhaps with heights, got {}: {}", kind,
+      quoted(crs));
+}
+
 Result<void> check_same_crs(const std::string& path, const std::string& own,
                             const std::string& stated) {
   const auto of_file = GdalCrs::of(own);

@@ -38,6 +38,10 @@ class GdalCrs {
 /// A CRS, given as EPSG:N, EPSG:N+M or as WKT, as WKT. Fails where GDAL does not know it.
 [[nodiscard]] Result<std::string> to_wkt(const std::string& crs);
 
+/// The same of a CRS that is to be one of x and y, perhaps with heights: fails on vertical and
+/// geocentric ones, too.
+[[nodiscard]] Result<std::string> to_horizontal_wkt(const std::string& crs);
+
 /// Fails where a file has another CRS, in WKT, than the one that it is said to have.
 [[nodiscard]] Result<void> check_same_crs(const std::string& path, const std::string& own,
                                           const std::string& stated);

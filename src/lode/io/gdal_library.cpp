@@ -85,6 +85,9 @@ void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.release, "VSIFree");
   finder.find(gdal.set_axis_order, "OSRSetAxisMappingStrategy");
   finder.find(gdal.is_geographic, "OSRIsGeographic");
+  finder.find(gdal.is_geocentric, "OSRIsGeocentric");
+  finder.find(gdal.is_projected, "OSRIsProjected");
+  finder.find(gdal.is_local, "OSRIsLocal");
   finder.find(gdal.attribute, "OSRGetAttrValue");
   finder.find(gdal.semi_major, "OSRGetSemiMajor");
   finder.find(gdal.inverse_flattening, "OSRGetInvFlattening");

@@ -83,6 +83,9 @@ struct GdalLibrary {
   decltype(&VSIFree) release = nullptr;  ///< What export_wkt() made.
   decltype(&OSRSetAxisMappingStrategy) set_axis_order = nullptr;
   decltype(&OSRIsGeographic) is_geographic = nullptr;
+  decltype(&OSRIsGeocentric) is_geocentric = nullptr;
+  decltype(&OSRIsProjected) is_projected = nullptr;
+  decltype(&OSRIsLocal) is_local = nullptr;
   decltype(&OSRGetAttrValue) attribute = nullptr;
   decltype(&OSRGetSemiMajor) semi_major = nullptr;
   decltype(&OSRGetInvFlattening) inverse_flattening = nullptr;

@@ -110,7 +110,7 @@ Result<void> GdalRaster::state_crs(const std::string& crs) {
   if (crs.empty()) return {};
   const std::string own = this->crs();
   if (!own.empty()) return check_same_crs(path_, own, crs);
-  auto wkt = to_wkt(crs);
+  auto wkt = to_horizontal_wkt(crs);
   if (!wkt) return fail("{}: {}", path_, wkt.error().message);
   stated_crs_ = std::move(wkt).value();
   return {};

@@ -70,7 +70,7 @@ Result<PointFile> read_points(const std::string& path, const PointReadOptions& o
     return fail("{}: {}", path, status.error().message);
   std::string crs;
   if (!options.crs.empty()) {
-    auto wkt = to_wkt(options.crs);
+    auto wkt = to_horizontal_wkt(options.crs);
     if (!wkt) return fail("{}: {}", path, wkt.error().message);
     crs = std::move(wkt).value();
   }
