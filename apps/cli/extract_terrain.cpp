@@ -79,6 +79,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
     json["height_slack"] = report.height_slack;
     json["position_slack"] = report.position_slack;
     json["turned_triangles"] = report.n_turned;
+    if (answer.job.terrain.wrap) json["one_sided_vertices"] = report.n_one_sided;
   }
   json["seconds"] = {{"total", answer.read_seconds + report.seconds + answer.write_seconds},
                      {"read", answer.read_seconds},
@@ -154,11 +155,12 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
         fmt::format("coordinates are floats: {} triangles in {}, thinner than these tell, "
                     "are turned over or flat",
                     format_count(report.n_turned), job.output));
-  if (job.terrain.wrap && opened.is_closed && opened.model != TerrainModel::delaunay_selector)
+  if (report.n_one_sided > 0)
     session.warn(fmt::format(
-        "--wrap: {} promises nothing where its first and last column meet: {} may have vertices on "
-        "one side only, and cracks along it; the delaunay_selector has the same on both",
-        name_of(opened.model), job.output));
+        "--wrap: {} promises nothing where its first and last column meet: {} vertices of {} there "
+        "lie in an edge of the other side, with cracks as high as its error; the delaunay_selector "
+        "has the same vertices on both sides",
+        name_of(opened.model), format_count(report.n_one_sided), job.output));
   const std::uint64_t n_triangles = clip ? clip->n_triangles : report.triangles;
   const std::uint64_t full = n_full_triangles(opened.facts, report.n_samples);
   if (is_hierarchy(opened.model) && n_triangles > full)
@@ -438,6 +440,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
                {.keeps_samples = !job.raster.difference.empty(), .has_shares = wanted.has_shares}));
   const HeightRange range = opened.terrain.range();
   set_share(job.max_error, range, options.max_error);
+  options.is_closed = opened.is_closed;
   if (options.focus)
     set_share(job.query.max_error_outside, range, options.focus->max_error_outside);
   if (has_view) LODE_CHECK(check_upwards(opened.facts.frame, job.input));

@@ -165,6 +165,17 @@ TEST_F(cli_terrain_sight, wraps_surfaces_contours_and_models_on_request) {
     ASSERT_EQ(run_lode(words).exit_code, 0);
     EXPECT_EQ(run_lode({"verify", file, "--against", globe, "--wrap"}).exit_code, 0) << kind[1];
   }
+  // Extracted with a model, the vertices without a twin are counted, and told of where there are
+  // some.
+  for (const char* kind : {"delaunay_selector", "ternary_triangulation", "restricted_quadtree"}) {
+    const Finished run =
+        run_lode({"extract", globe, made, "--wrap", "--model", kind, "--max-error", "1", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto n = run.json().at("one_sided_vertices").get<int>();
+    if (std::string_view(kind) == "delaunay_selector") EXPECT_EQ(n, 0);
+    EXPECT_EQ(run.err.find("promises nothing") != std::string::npos, n > 0) << kind << run.err;
+    if (n > 0) EXPECT_NE(run.err.find(std::to_string(n) + " vertices"), std::string::npos);
+  }
   const auto seam = run_lode({"height", model, "--at", "180,0", "--json"}).json();
   EXPECT_EQ(seam.at("outside"), 0);
   for (const Words& refused : {Words{"extract", part, made, "--wrap"},

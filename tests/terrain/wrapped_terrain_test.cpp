@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "lode/api/built_terrain.h"
 #include "lode/api/round_terrain.h"
 #include "lode/api/terrain.h"
 #include "lode/api/terrain_tin.h"
@@ -160,6 +161,54 @@ TEST(wrapped_terrain, has_the_same_surface_on_any_number_of_threads) {
     EXPECT_EQ(one.triangles, many.triangles);
     EXPECT_EQ(one.positions, many.positions);
   }
+}
+
+/// Rows with a vertex on one side alone, where an edge of the other side goes by; by trying all.
+std::uint64_t n_hanging(const TerrainSurface& made, const HeightGrid& grid) {
+  const Surface& surface = made.surface;
+  const auto column = [&](std::uint32_t v) {
+    const Vec3d p = surface.world_position(v);
+    return grid.lattice(p[0], p[1]);
+  };
+  std::uint64_t n = 0;
+  for (const auto& [own, other] : {std::pair{0, kTurn}, {kTurn, 0}})
+    for (const int row : rows_at(surface, grid, own)) {
+      bool is_in_edge = false;
+      for (const auto& t : surface.triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto a = column(t[i]);
+          const auto b = column(t[(i + 1) % 3]);
+          is_in_edge =
+              is_in_edge || (std::abs(a[0] - other) < 0.1 && std::abs(b[0] - other) < 0.1 &&
+                             std::min(a[1], b[1]) < row - 0.1 && std::max(a[1], b[1]) > row + 0.1);
+        }
+      n += is_in_edge ? 1 : 0;
+    }
+  return n;
+}
+
+TEST(wrapped_terrain, counts_vertices_on_one_side_alone) {
+  std::uint64_t n_in_all = 0;
+  Progress progress;
+  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+    const HeightGrid grid = wrapped_globe<float>(seed);
+    const TerrainOptions options{.max_error = 90, .is_closed = true};
+    EXPECT_EQ(extract_terrain(grid, options, progress)->report.n_one_sided, 0U);
+    for (const TerrainModel model :
+         {TerrainModel::delaunay_pyramid, TerrainModel::ternary_triangulation,
+          TerrainModel::restricted_quadtree, TerrainModel::right_triangle_bisection}) {
+      SCOPED_TRACE(testing::Message() << seed << " " << name_of(model));
+      const auto built = BuiltTerrain::build(grid, {.model = model, .levels = {90}}, progress);
+      ASSERT_TRUE(built);
+      const auto made = extract_terrain(built->terrain(), options, progress);
+      ASSERT_TRUE(made);
+      EXPECT_EQ(made->report.n_one_sided, n_hanging(*made, grid));
+      n_in_all += made->report.n_one_sided;
+      const auto open = extract_terrain(built->terrain(), {.max_error = 90}, progress);
+      EXPECT_EQ(open->report.n_one_sided, 0U) << "only where it is asked for";
+    }
+  }
+  EXPECT_GT(n_in_all, 0U);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/point_tin_check.h"
 #include "lode/mappers/tin_check.h"
+#include "lode/mappers/tin_sides.h"
 #include "lode/mappers/tin_surface.h"
 #include "lode/mappers/tin_window.h"
 
@@ -113,6 +114,8 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
   report.height_slack = made.height_slack;
   report.position_slack = made.position_slack;
   report.n_turned = made.n_turned;
+  if (options.is_closed)
+    report.n_one_sided = count_one_sided(selected.tin, 0, terrain.frame().n_columns - 1);
   report.seconds = watch.seconds();
   return TerrainSurface{std::move(made.surface), std::move(made.places), report, clipped};
 } catch (const std::bad_alloc&) {

@@ -31,6 +31,9 @@ struct TerrainOptions {
   InsertionOrder order = InsertionOrder::levels;
   Threads threads{};  ///< Of rasters in levels or tiles; the TIN is the same for any.
   std::optional<TerrainFocus> focus{};  ///< Where max_error holds; of models that can vary.
+  /// It is of a raster that goes round the earth and ends with its first column (cut_open_at()):
+  /// TerrainReport::n_one_sided is counted.
+  bool is_closed = false;
   /// All heights of the raster that the terrain is of, where bounds are to hold everywhere: of a
   /// TIN that is asked (TerrainTin). Null: at samples.
   std::shared_ptr<const HeightGrid> samples{};
@@ -56,6 +59,9 @@ struct TerrainReport {
   double height_slack = 0;       ///< Rounding of heights in the surface's float coordinates.
   double position_slack = 0;     ///< Of positions, units of the world.
   std::uint64_t n_turned = 0;    ///< Triangles that rounding of positions turns over, or flattens.
+  /// Of a TerrainSurface that is_closed: vertices on its first or last column that lie in an edge
+  /// of the other one.
+  std::uint64_t n_one_sided = 0;
   double seconds = 0;
 };
 
