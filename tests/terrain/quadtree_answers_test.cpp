@@ -3,11 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "lode/api/built_terrain.h"
+#include "lode/api/files.h"
 #include "lode/api/terrain_sight.h"
 #include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
 #include "lode/models/terrain/squares/cell_walk.h"
@@ -362,6 +369,57 @@ TEST(quadtree_answers_exact, ask_full_resolution_in_the_end) {
       n_rounds += static_cast<int>(sight->n_rounds);
     }
     EXPECT_GT(n_rounds, 28);
+  }
+}
+
+TEST(quadtree_answers_real, hold_on_st_helens) {
+  const char* data = std::getenv("LODE_DATA");
+  const auto folder = data != nullptr
+                          ? std::filesystem::path(data)
+                          : std::filesystem::path(LODE_TEST_FILES_DIR) / "../../../shared/data";
+  const std::string path =
+      (folder / "terrain/st_helens_327x468_int16.tif").lexically_normal().string();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
+  Progress progress;
+  const auto read = read_heights(path, {}, progress);
+  ASSERT_TRUE(read) << read.error().message;
+  const auto grid = std::make_shared<HeightGrid>(read->grid);
+  const auto metric = read_metric(grid->crs);
+  ASSERT_TRUE(metric);
+  const auto full = TerrainTin::select(*grid, {.max_error = 0}, *metric, progress);
+  ASSERT_TRUE(full);
+  std::vector<Place> places;
+  for (std::int32_t y = 0; y < grid->n_rows; ++y)
+    for (std::int32_t x = 0; x < grid->n_columns; ++x) places.push_back(grid->world(x, y));
+  for (const TerrainModel model : {kSurface, kQuaternary}) {
+    const auto built = BuiltTerrain::build(*grid, {.model = model}, progress);
+    ASSERT_TRUE(built);
+    const auto tin = TerrainTin::select(built->terrain(), {.max_error = 10, .samples = grid},
+                                        *metric, progress, TinUse::places);
+    ASSERT_TRUE(tin);
+    std::vector<TerrainHeight> heights;
+    std::vector<TerrainHeight> exact;
+    ASSERT_TRUE(tin->heights(places, heights, {2}, progress));
+    ASSERT_TRUE(full->heights(places, exact, {2}, progress));
+    std::size_t n_beyond = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      ASSERT_EQ(heights[i].where, exact[i].where);
+      const double off = std::abs(heights[i].height - exact[i].height);
+      n_beyond += off <= std::min(heights[i].bound, 10 + 1e-9) ? 0 : 1;
+    }
+    EXPECT_EQ(n_beyond, 0U);
+    oracles::Random random(31);
+    for (int i = 0; i < 100; ++i) {
+      const Place from = places[random.below(places.size())];
+      const Place to = from * 0.8 + places[random.below(places.size())] * 0.2;
+      const TerrainSightOptions options{
+          .from = from, .to = to, .observer_height = 30, .target_height = 30};
+      const auto coarse = tin->sight(options);
+      const auto fine = full->sight(options);
+      ASSERT_EQ(coarse.has_value(), fine.has_value());
+      if (coarse && coarse->verdict != SightVerdict::undecided)
+        EXPECT_EQ(coarse->verdict, fine->verdict);
+    }
   }
 }
 
