@@ -306,6 +306,18 @@ TEST(cli_terrain, keeps_digits_of_heights_that_are_far_apart) {
       0);
   expect_refusal(run_lode({"extract", dem, scratch / "out.stl", "--max-error", "0.05"}), 1,
                  {"out.stl", "STL holds float32", ".ply"});
+  // Of scattered points, too.
+  const std::string points = scratch / "wide.xyz";
+  std::string places;
+  for (int i = 0; i < 20 * 12; ++i)
+    places += fmt::format("{} {} {:.2f}\n", i % 20 * 30 + i % 3, i / 20 * 30,
+                          (i % 20 > 12 ? 1e9 : 0.0) + i * 37 % 101 / 100.0);
+  write_bytes(points, places);
+  ASSERT_EQ(run_lode({"extract", points, scratch / "wide.ply", "--max-error", "0.05"}).exit_code,
+            0);
+  const Finished check =
+      run_lode({"verify", points, "--surface", scratch / "wide.ply", "--max-error", "0.05"});
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
   // GeoTIFF, by itself.
   const auto tif = run_lode({"extract", dem, scratch / "out.tif", "--max-error", "0.05", "--json"});
   EXPECT_LE(tif.json().at("raster").at("error").get<double>(), 0.05) << tif.out;

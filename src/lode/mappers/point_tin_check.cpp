@@ -115,11 +115,12 @@ class PointTinChecker {
     heights_.push_back(points_.heights[point.value_or(0)]);
     facts_.n_off_samples += static_cast<std::uint64_t>(!point.has_value());
   }
-  /// What rounding explains of a coordinate, in floats where there are no places.
+  /// What rounding explains of a coordinate: of floats, but of heights where there are places. x
+  /// and y may have been floats before: other programs keep what they read in float64.
   [[nodiscard]] static double rounding_of(const PlacedSurfaceView& placed, const Vec3d& world,
                                           std::size_t axis) {
     const double of_floats =
-        placed.places.empty()
+        placed.places.empty() || axis < 2
             ? 0x1p-23 * std::abs(world[axis] - placed.surface.origin[axis]) + 0x1p-149
             : 0;
     return of_floats + 0x1p-51 * std::abs(world[axis]);
