@@ -230,6 +230,80 @@ TEST_F(cli_points, on_both_sides_of_180_degrees_lie_side_by_side) {
   }
 }
 
+/// From 178 to 182 degrees, beyond 180 as they are there, or a turn on.
+std::string points_at_180(bool is_turned) {
+  std::string text;
+  for (int i = 0; i < 41 * 21; ++i) {
+    const int tenths = 1780 + i % 41;
+    const double x = (tenths > 1800 && is_turned ? tenths - 3600 : tenths) / 10.0;
+    text += fmt::format("{} {} {}\n", x, 10 + i / 41 * 0.1, (i * 37) % 101);
+  }
+  return text;
+}
+
+std::string feature(const std::string& kind, const std::string& coordinates) {
+  return R"({"type":"Feature","properties":{},"geometry":{"type":")" + kind +
+         R"(","coordinates":[)" + coordinates + "]}}";
+}
+
+/// Positions and triangles of a mesh of them.
+std::pair<int, int> mesh_at_180(const std::string& points, const std::string& out,
+                                const Words& more) {
+  Words words{"extract", points, out, "--max-error", "9", "--crs", "EPSG:4326", "--json"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Finished run = run_lode(words);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto json = run.json();
+  return {json.at("positions").get<int>(), json.at("triangles").get<int>()};
+}
+
+TEST_F(cli_points, on_both_sides_of_180_degrees_are_turned_with_their_outline) {
+  write_bytes(scratch_ / "split.xyz", points_at_180(true));
+  write_bytes(scratch_ / "whole.xyz", points_at_180(false));
+  const auto extracted = [&](const char* name, const std::string& outline) {
+    return mesh_at_180(scratch_ / name, scratch_ / "out.ply", {"--outline", outline});
+  };
+  const std::string plain = scratch_ / "plain.csv";
+  write_bytes(plain, "178.45,10.25\n181.55,10.25\n181.55,11.65\n178.45,11.65\n");
+  const auto expected = extracted("whole.xyz", plain);
+  // 31 columns, of which those from 180.1 on are turned, and 14 rows.
+  EXPECT_EQ(expected.first, 31 * 14);
+  const auto ring = [](double west, double east) {
+    return fmt::format("[[[{0},10.25],[{1},10.25],[{1},11.65],[{0},11.65],[{0},10.25]]]", west,
+                       east);
+  };
+  const auto geojson = [&](const std::string& name, const std::string& parts) {
+    write_bytes(scratch_ / name, feature("MultiPolygon", parts));
+    return scratch_ / name;
+  };
+  // As RFC 7946 has it, as it is forbidden there, and a turn further west.
+  for (const std::string& outline :
+       {plain, geojson("parts.geojson", ring(178.45, 180) + "," + ring(-180, -178.45)),
+        geojson("jump.geojson", ring(178.45, -178.45)),
+        geojson("west.geojson", ring(-181.55, -178.45))})
+    EXPECT_EQ(extracted("split.xyz", outline), expected) << outline;
+  const auto info = run_lode({"info", scratch_ / "split.xyz", "--outline",
+                              scratch_ / "jump.geojson", "--crs", "EPSG:4326", "--json"})
+                        .json();
+  EXPECT_EQ(info.at("extent").at("x"), (std::vector<double>{178.5, 181.5}));
+  EXPECT_EQ(info.at("turned_points"), 15 * 14);
+}
+
+TEST_F(cli_points, on_both_sides_of_180_degrees_have_breaklines_that_jump_there) {
+  write_bytes(scratch_ / "split.xyz", points_at_180(true));
+  write_bytes(scratch_ / "whole.xyz", points_at_180(false));
+  write_bytes(scratch_ / "there.geojson", feature("LineString", "[178.52,10.33],[181.41,11.57]"));
+  write_bytes(scratch_ / "jumps.geojson", feature("LineString", "[178.52,10.33],[-178.59,11.57]"));
+  const auto lined = [&](const char* points, const char* lines) {
+    return mesh_at_180(scratch_ / points, scratch_ / "out.ply",
+                       {"--breaklines", scratch_ / lines, "--drape"});
+  };
+  const auto expected = lined("whole.xyz", "there.geojson");
+  EXPECT_NE(expected, mesh_at_180(scratch_ / "whole.xyz", scratch_ / "out.ply", {}));
+  EXPECT_EQ(lined("whole.xyz", "jumps.geojson"), expected);
+  EXPECT_EQ(lined("split.xyz", "jumps.geojson"), expected);
+}
+
 TEST_F(cli_points, takes_outlines_of_geojson_with_holes_in_their_own_crs) {
   // The hill is round 500100, 4000075 of zone 33 (15 degrees east): 200 x 150 m.
   const auto ring = [](double west, double east, double south, double north) {

@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
+#include "lode/locate/polygon_locator.h"
 #include "tests/terrain/hierarchy_fixtures.h"
 
 namespace lode {
@@ -126,6 +129,69 @@ TEST(round_terrain, counts_longitudes_of_points_from_their_widest_gap) {
   EXPECT_EQ(turn_places(degrees(), 0, points), 1U);
   EXPECT_NEAR(points[0][0], 182, 1e-12);
   EXPECT_EQ(points[1][0], 178);
+}
+
+TEST(round_terrain, takes_jumps_out_of_lines) {
+  const auto unrolled = [](std::vector<double> longitudes, const HorizontalMetric& metric) {
+    std::vector<Vec3d> line;
+    for (const double x : longitudes) line.push_back({{x, 1, 2}});
+    unroll(metric, line);
+    std::vector<double> made;
+    for (const Vec3d& p : line) made.push_back(std::round(p[0] * 1e9) / 1e9);
+    return made;
+  };
+  using Line = std::vector<double>;
+  EXPECT_EQ(unrolled({179, -179, -178, 179}, degrees()), (Line{179, 181, 182, 179}));
+  EXPECT_EQ(unrolled({-179, 179}, degrees()), (Line{-179, -181}));
+  EXPECT_EQ(unrolled({-90, 90, 0}, degrees()), (Line{-90, 90, 0})) << "half a turn is no jump";
+  EXPECT_EQ(unrolled({10, 350, 20}, degrees()), (Line{10, -10, 20}));
+  EXPECT_EQ(unrolled({179, -179}, {}), (Line{179, -179})) << "in a plane";
+}
+
+/// What of a turn from a longitude polygons cover at a latitude of 5, in degrees of 0.5.
+std::vector<double> covered(const std::vector<PlacePolygon>& polygons, double from) {
+  const PolygonLocator locator(polygons);
+  std::vector<double> found;
+  for (double x = from + 0.25; x < from + 360; x += 0.5)
+    if (locator.holds({{x, 5}})) found.push_back(x);
+  return found;
+}
+
+PlacePolygon box_from(double west, double east) {
+  return {{{{west, 0}}, {{east, 0}}, {{east, 10}}, {{west, 10}}}};
+}
+
+TEST(round_terrain, turns_outlines_with_their_points) {
+  const double from = 10;
+  const auto turned = [&](std::vector<PlacePolygon> polygons) {
+    return covered(turn_polygons(degrees(), from, std::move(polygons)), from);
+  };
+  const std::vector<double> expected = covered({box_from(178, 182)}, from);
+  ASSERT_EQ(expected.size(), 8U);
+  EXPECT_EQ(turned({box_from(178, 182)}), expected);
+  EXPECT_EQ(turned({box_from(-182, -178)}), expected);
+  EXPECT_EQ(turned({box_from(178, -178)}), expected) << "a ring that jumps";
+  EXPECT_EQ(turned({box_from(178, 180), box_from(-180, -178)}), expected) << "in two parts";
+  // 180 and -180 are one place.
+  EXPECT_EQ(turned({{{{{178, 0}},
+                      {{180, 0}},
+                      {{-180, 0}},
+                      {{-178, 0}},
+                      {{-178, 10}},
+                      {{-180, 10}},
+                      {{180, 10}},
+                      {{178, 10}}}}}),
+            expected);
+  // With a hole on the other side of the jump.
+  PlacePolygon holed = box_from(178, -178);
+  holed.push_back(box_from(-179.5, -179).front());
+  std::vector<double> with_hole = expected;
+  std::erase_if(with_hole, [](double x) { return x > 180.5 && x < 181; });
+  EXPECT_EQ(turned({holed}), with_hole);
+  // All the way round, and over where the turn begins.
+  EXPECT_EQ(turned({box_from(-180, 180)}).size(), 720U);
+  EXPECT_EQ(turned({box_from(-100, 60)}).size(), 320U);
+  EXPECT_EQ(turned({box_from(0, 20)}), covered({box_from(0, 20), box_from(360, 380)}, from));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "lode/io/crs_metric.h"
 #include "lode/io/line_file.h"
 #include "lode/io/polygon_file.h"
+#include "lode/locate/polygon_locator.h"
 #include "lode/store/reader.h"
 
 namespace lode {
@@ -72,25 +73,57 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
           .vertical = file.vertical};
 }
 
-/// Points on both sides of where longitudes jump, side by side; how many were moved, and by a turn.
-std::uint64_t bring_together(const HorizontalMetric& metric, io::PointFile& file) {
+/// Of places, those in polygons that have a longitude or more.
+std::uint64_t count_in(std::span<const PlacePolygon> polygons, std::span<const Vec3d> places,
+                       double longitude) {
+  const PolygonLocator outline(polygons);
+  return static_cast<std::uint64_t>(std::ranges::count_if(places, [&](const Vec3d& place) {
+    return place[0] >= longitude && outline.holds({{place[0], place[1]}});
+  }));
+}
+
+/// Points on both sides of where longitudes jump, side by side, and their outline with them; how
+/// many of those in it were moved, and by a turn.
+std::uint64_t bring_together(const HorizontalMetric& metric, io::PointFile& file,
+                             PointTerrainOptions& domain) {
   const auto from = turn_from(metric, file.points);
   if (!from) return 0;
   // Where a turn is no number of steps, points would be moved to nodes of another lattice.
   const double n_steps = whole_turn(metric) / file.lattice.step;
   constexpr double kRounding = 1e-3;
   if (!(std::abs(n_steps - std::round(n_steps)) < kRounding)) file.lattice = {};
-  return turn_places(metric, *from, file.points);
+  const double west = std::ranges::min(file.points, {}, [](const Vec3d& p) { return p[0]; })[0];
+  const std::uint64_t n_turned = turn_places(metric, *from, file.points);
+  if (domain.outline.empty()) return n_turned;
+  domain.outline = turn_polygons(metric, *from, std::move(domain.outline));
+  domain.is_outline_near = true;
+  return count_in(domain.outline, file.points, west + whole_turn(metric));
 }
 
-/// Lines whose longitudes are whole turns away from a terrain's, there.
+/// Lines without jumps of longitudes, and those that are whole turns away from a terrain's there:
+/// at both ends of a terrain where they reach over one that is the other again.
 void bring_near(const HeightFrame& frame, std::vector<PlaceLine>& lines) {
   const Result<HorizontalMetric> metric = io::read_metric(frame.crs);
-  if (!metric) return;
-  for (PlaceLine& line : lines) {
-    const auto [west, east] = std::ranges::minmax(line, {}, [](const Vec3d& p) { return p[0]; });
+  if (!metric || !metric->ellipsoid) return;
+  const auto [first, last] = std::minmax(
+      {frame.world(0, 0)[0], frame.world(frame.n_columns - 1, 0)[0],
+       frame.world(0, frame.n_rows - 1)[0], frame.world(frame.n_columns - 1, frame.n_rows - 1)[0]});
+  const double turn = whole_turn(*metric);
+  const std::size_t n = lines.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    unroll(*metric, lines[i]);
+    const auto [west, east] =
+        std::ranges::minmax(lines[i], {}, [](const Vec3d& p) { return p[0]; });
     const double shift = turns_towards(*metric, middle_x(frame), (west[0] + east[0]) / 2);
-    for (Vec3d& p : line) p[0] += shift;
+    for (Vec3d& p : lines[i]) p[0] += shift;
+    if (!is_longitude(*metric, west[0]) || !is_longitude(*metric, east[0])) continue;
+    for (const double other : {-turn, turn}) {
+      const bool is_there = west[0] + shift + other < last && east[0] + shift + other > first;
+      if (!is_there) continue;
+      PlaceLine copy = lines[i];
+      for (Vec3d& p : copy) p[0] += other;
+      lines.push_back(std::move(copy));
+    }
   }
 }
 
@@ -137,8 +170,7 @@ Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOpti
     LODE_TRY(domain.outline, io::polygons_in(outline, file.crs));
   }
   LODE_TRY(const HorizontalMetric metric, naming(path, io::read_metric(file.crs), progress));
-  // An outline says which longitudes are meant, and may go round where points would be parted.
-  const std::uint64_t n_turned = domain.outline.empty() ? bring_together(metric, file) : 0;
+  const std::uint64_t n_turned = bring_together(metric, file, domain);
   LODE_TRY(PointTerrain made,
            naming(path, make_point_terrain(file.points, file.lattice, metric, domain, progress),
                   progress));

@@ -77,7 +77,7 @@ PointTerrainOptions options_near(std::span<const Vec3d> points, const Horizontal
     const auto [west, east] = std::ranges::minmax(places, {}, [](const auto& p) { return p[0]; });
     return (west[0] + east[0]) / 2;
   };
-  if (points.empty()) return options;
+  if (points.empty() || options.is_outline_near) return options;
   const double middle = middle_of(points);
   for (PlacePolygon& polygon : options.outline) {
     const double shift = turns_towards(metric, middle, middle_of(polygon.front()));

@@ -21,6 +21,8 @@ struct PointTerrainOptions {
   /// Polygons in the points' coordinates, where there are any: points outside of all are left out,
   /// and triangles whose middle is. Rings have three corners or more.
   std::vector<PlacePolygon> outline{};
+  /// Whether longitudes of polygons are those of points; else whole turns bring them near.
+  bool is_outline_near = false;
 };
 
 /// Scattered points, and what they define a surface over: their convex hull, or the part of their

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace lode {
@@ -103,6 +104,64 @@ std::optional<double> turn_from(const HorizontalMetric& metric, std::span<const 
     from = longitudes[i - 1] + gap / 2;
   }
   return from;
+}
+
+namespace {
+
+struct Longitudes {
+  double west = 0;
+  double east = 0;
+};
+
+Longitudes longitudes_of(std::span<const Vec<double, 2>> ring) {
+  const auto [west, east] =
+      std::ranges::minmax(ring, {}, [](const Vec<double, 2>& place) { return place[0]; });
+  return {west[0], east[0]};
+}
+
+/// Without jumps, where these are some.
+void unroll_polygon(const HorizontalMetric& metric, PlacePolygon& polygon) {
+  PlacePolygon unrolled = polygon;
+  unroll(metric, unrolled.front());
+  const auto [west, east] = longitudes_of(unrolled.front());
+  constexpr double kHalf = 0.5 + 1e-9;
+  if (!(east > west && east - west <= kHalf * whole_turn(metric))) return;
+  for (std::size_t i = 1; i < unrolled.size(); ++i) {
+    unroll(metric, unrolled[i]);
+    const auto [hole_west, hole_east] = longitudes_of(unrolled[i]);
+    const double shift = turns_towards(metric, (west + east) / 2, (hole_west + hole_east) / 2);
+    for (auto& place : unrolled[i]) place[0] += shift;
+  }
+  polygon = std::move(unrolled);
+}
+
+void shift(PlacePolygon& polygon, double by) {
+  for (auto& ring : polygon)
+    for (auto& place : ring) place[0] += by;
+}
+
+}  // namespace
+
+std::vector<PlacePolygon> turn_polygons(const HorizontalMetric& metric, double from,
+                                        std::vector<PlacePolygon> polygons) {
+  const double turn = whole_turn(metric);
+  std::vector<PlacePolygon> turned;
+  for (PlacePolygon& polygon : polygons) {
+    // Those without corners are for others to refuse.
+    if (polygon.empty() || polygon.front().empty()) {
+      turned.push_back(std::move(polygon));
+      continue;
+    }
+    unroll_polygon(metric, polygon);
+    const double west = longitudes_of(polygon.front()).west;
+    if (is_longitude(metric, west)) shift(polygon, turn * std::ceil((from - west) / turn));
+    // What is now behind the turn's end lies before its beginning, too.
+    if (longitudes_of(polygon.front()).east > from + turn) {
+      shift(turned.emplace_back(polygon), -turn);
+    }
+    turned.push_back(std::move(polygon));
+  }
+  return turned;
 }
 
 double middle_x(const HeightFrame& frame) {

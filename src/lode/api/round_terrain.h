@@ -1,13 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "lode/core/height_frame.h"
 #include "lode/core/height_grid.h"
 #include "lode/core/horizontal_metric.h"
+#include "lode/core/place_polygon.h"
 #include "lode/core/vec.h"
 
 namespace lode {
@@ -53,6 +56,21 @@ std::uint64_t turn_places(const HorizontalMetric& metric, double from, Places& p
   }
   return n;
 }
+
+/// Takes jumps out of the longitudes of places along a line or ring: each is as many turns on or
+/// back as bring it to half a turn or less from the one before.
+template <typename Places>
+void unroll(const HorizontalMetric& metric, Places& places) {
+  for (std::size_t i = 1; i < places.size(); ++i)
+    places[i][0] += turns_towards(metric, places[i - 1][0], places[i][0]);
+}
+
+/// Polygons for places that were turned (turn_places()): whole turns on or back, so that each
+/// covers what it does of the turn that begins at `from`, twice where it reaches over both ends.
+/// Rings that jump (from 179 to -179) go the shorter way, where that leaves them half a turn wide
+/// or less; else, as those of the whole earth, they are as they are.
+[[nodiscard]] std::vector<PlacePolygon> turn_polygons(const HorizontalMetric& metric, double from,
+                                                      std::vector<PlacePolygon> polygons);
 
 /// The x of the middle of a terrain's columns and rows.
 [[nodiscard]] double middle_x(const HeightFrame& frame);
