@@ -40,13 +40,11 @@ Result<ComparisonOptions> to_options(const CompareArguments& arguments) {
 }
 
 Result<void> check_compare(const CompareArguments& arguments) {
-  if (!is_height_path(arguments.input))
-    return fail("{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got another file",
-                arguments.input);
+  if (!is_terrain_path(arguments.input))
+    return fail("{}: expected {}, got another file", arguments.input, kTerrainFiles);
   LODE_CHECK(check_extension(arguments.output, ".html"));
   if (auto options = to_options(arguments); !options) return options.error();
-  if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
-    return options.error();
+  LODE_CHECK(check_terrain_reading(arguments.input, arguments.terrain, arguments.reading));
   return check_paths_differ({arguments.input}, {arguments.output});
 }
 
@@ -69,16 +67,15 @@ std::string table_of(const TerrainComparison& comparison, const std::string& out
 
 Result<Outcome> run_compare(const CompareArguments& arguments, Session& session) {
   LODE_TRY(ComparisonOptions options, to_options(arguments));
-  LODE_TRY(const HeightReadOptions reading,
-           to_height_options(arguments.terrain, arguments.reading));
   options.threads = session.threads();
   LODE_CHECK(check_writable(arguments.output));
-  LODE_TRY(const HeightRaster raster, read_heights(arguments.input, reading, session.progress()));
-  warn_of_vertical(raster.vertical, arguments.input, session);
-  const HeightRange range = height_range(raster.grid);
+  LODE_TRY(const OpenedTerrain opened,
+           open_terrain(arguments.input, arguments.terrain, arguments.reading, {}, {}, session));
+  const HeightRange range = opened.terrain.range();
   if (is_share(arguments.tolerances))
     for (double& tolerance : options.tolerances) tolerance *= range.upper - range.lower;
-  auto comparison = compare_terrain(raster.grid, options, session.progress());
+  auto comparison = opened.points ? compare_terrain(*opened.points, options, session.progress())
+                                  : compare_terrain(*opened.grid, options, session.progress());
   if (!comparison) {
     if (session.progress().is_cancelled()) return comparison.error();
     return fail("{}: {}", arguments.input, comparison.error().message);
@@ -89,7 +86,7 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   json["command"] = "compare";
   json["input"] = arguments.input;
   json["outputs"] = Json::array({arguments.output});
-  add_facts(facts_of(raster), json, unused);
+  add_facts(opened.facts, json, unused);
   json["range"] = {comparison->range.lower, comparison->range.upper};
   json["runs"] = options.n_runs;
   json["seed"] = options.seed;
@@ -97,9 +94,12 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   json["models"] = comparison_json(*comparison);
   json["seconds"] = {{"total", comparison->seconds}};
   json["warnings"] = session.warnings();
+  const HeightFrame& frame = opened.facts.frame;
   const ComparedRaster about{
-      arguments.input, fmt::format("{} x {}", raster.grid.n_columns, raster.grid.n_rows),
-      raster.grid.vertical_unit,
+      arguments.input,
+      opened.points ? format_count(opened.points->points.nodes.size()) + " scattered points"
+                    : fmt::format("{} x {}", frame.n_columns, frame.n_rows),
+      frame.vertical_unit,
       fmt::format("{} of {} runs each", options.n_runs == 1 ? "times" : "medians", options.n_runs)};
   LODE_CHECK(
       write_text(arguments.output, comparison_page(*comparison, about, json), session.progress()));
@@ -112,13 +112,17 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
 Command add_compare_command(CLI::App& program) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App* app = program.add_subcommand(
-      "compare", "Run all models of terrain on a raster, and report how they do");
+      "compare", "Run all models of terrain on a raster or points, and report how they do");
   app->footer(
       "Each model makes a mesh within each tolerance. True errors, shapes of triangles, and times\n"
       "of extraction, contours, heights, profiles and steps over edges are measured on the meshes\n"
-      "alike. The report is one page with tables, plots and all numbers as JSON.\n\n"
-      "Example:\n  lode compare dem.tif report.html --tolerances 50,20,10,5");
-  app->add_option("dem", arguments->input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
+      "alike. The report is one page with tables, plots and all numbers as JSON. Of scattered\n"
+      "points errors are at points, and models that need a raster are listed as not run.\n\n"
+      "Examples:\n  lode compare dem.tif report.html --tolerances 50,20,10,5\n"
+      "  lode compare survey.las report.html --class 2 --tolerances 1,0.2");
+  app->add_option("dem", arguments->input,
+                  "Raster of heights (.tif, .asc, .hgt, .png, ...) or scattered points (.las, "
+                  ".xyz, ...)")
       ->type_name("DEM")
       ->required();
   app->add_option("report", arguments->output, "Page to write")->type_name("OUT.html")->required();
@@ -138,7 +142,7 @@ Command add_compare_command(CLI::App& program) {
                   "Value of missing samples, instead of the file's")
       ->type_name("V")
       ->group("Rasters of heights");
-  add_terrain_options(*app, arguments->terrain, TerrainUse::rasters);
+  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
   return {app, [arguments] { return check_compare(*arguments); },
           [arguments](Session& session) { return run_compare(*arguments, session); }};
 }

@@ -258,7 +258,8 @@ std::string comparison_page(const TerrainComparison& comparison, const ComparedR
                       escaped(raster.machine));
   html += models_list(comparison);
   html +=
-      "<p class=\"note\">True errors are vertical, at all samples, measured on each mesh by the "
+      "<p class=\"note\">True errors are vertical, at all samples or points, measured on each mesh "
+      "by the "
       "same "
       "means; in red where beyond the tolerance. Left out: samples in no triangle. Variable: "
       "within "
@@ -268,6 +269,7 @@ std::string comparison_page(const TerrainComparison& comparison, const ComparedR
       "Profile: along the diagonal. MB: triangles, what is beside them, errors "
       "and vertices. Times are medians.</p>\n";
   html += plots(comparison, raster.unit);
+  // The selector is never refused.
   const std::size_t n = comparison.models.front().meshes.size();
   for (std::size_t i = 0; i < n; ++i)
     html += fmt::format("<h2>Tolerance {}</h2>\n{}",

@@ -1,6 +1,8 @@
 // Comparisons of models of terrain, through the program.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "lode/api/terrain_model.h"
 #include "tests/cli/ball_fixture.h"
 #include "tests/cli/dem_fixture.h"
@@ -73,6 +75,51 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_EQ(kept.at("models"), models);
 }
 
+TEST(cli_compare, takes_scattered_points_and_says_which_models_need_a_raster) {
+  const Scratch scratch;
+  const std::string points = scratch / "hills.xyz";
+  std::string text = "x y z\n";
+  for (int i = 0; i < 900; ++i) {
+    const double x = i % 30 + 0.3 * std::sin(i);
+    const double y = i / 30 + 0.3 * std::cos(7 * i);
+    text += std::to_string(x) + ' ' + std::to_string(y) + ' ' +
+            std::to_string(20 * std::sin(0.3 * x) * std::cos(0.2 * y)) + '\n';
+  }
+  write_bytes(points, text);
+  const std::string page = scratch / "report.html";
+  const auto made =
+      run_lode({"compare", points, page, "--tolerances", "5,1", "--runs", "1", "--json"}).json();
+  std::size_t n_run = 0;
+  for (const auto& model : made.at("models")) {
+    const std::string name = model.at("name");
+    const bool needs_raster = name.starts_with("surface_quadtree") ||
+                              name == "quaternary_triangulation" || name == "restricted_quadtree" ||
+                              name == "regular grid" || name == "right_triangle_bisection";
+    EXPECT_EQ(!model.at("refusal").is_null(), needs_raster) << name << model.at("refusal");
+    if (needs_raster) {
+      EXPECT_NE(model.at("refusal").get<std::string>().find("columns and rows"), std::string::npos);
+      continue;
+    }
+    ++n_run;
+    ASSERT_EQ(model.at("meshes").size(), 2U) << name;
+    for (const auto& mesh : model.at("meshes")) {
+      EXPECT_EQ(mesh.at("is_met"), true) << name << mesh;
+      EXPECT_EQ(mesh.at("uncovered_samples"), 0) << name;
+      EXPECT_EQ(mesh.at("hanging_vertices"), 0) << name;
+      EXPECT_GT(mesh.at("true_error"), 0) << name;
+      EXPECT_LE(mesh.at("true_error").get<double>(),
+                mesh.at("stated_error").get<double>() * (1 + 1e-6))
+          << name;
+    }
+    EXPECT_EQ(model.at("file_bytes").is_number(), built_model_of(name).has_value()) << name;
+  }
+  EXPECT_EQ(n_run, 10U);
+  EXPECT_NE(read_bytes(page).find("900 scattered points"), std::string::npos);
+  // The same meshes that extract makes.
+  const auto mesh = run_lode({"extract", points, scratch / "o.ply", "--max-error", "1", "--json"});
+  EXPECT_EQ(made.at("models")[0].at("meshes")[1].at("triangles"), mesh.json().at("triangles"));
+}
+
 TEST(cli_compare, keeps_its_page_whole_whatever_the_file_is_called) {
   const Scratch scratch;
   const std::string dem = scratch / "a\xff<!--<script>.asc";
@@ -113,7 +160,9 @@ TEST(cli_compare, refuses_what_cannot_be_meant) {
   expect_refusal(run_lode({"compare", dem, scratch / "report.pdf", "--tolerances", "1"}), 2,
                  {".html"});
   expect_refusal(run_lode({"compare", scratch / "ball.nrrd", page, "--tolerances", "1"}), 2,
-                 {"ball.nrrd", "raster of heights"});
+                 {"ball.nrrd", "raster of heights", "scattered points"});
+  expect_refusal(run_lode({"compare", dem, page, "--tolerances", "1", "--class", "2"}), 2,
+                 {"dem.asc", "--class", "raster"});
   write_dem(scratch / "row.asc", 40, 1);
   expect_refusal(run_lode({"compare", scratch / "row.asc", page, "--tolerances", "1"}), 1,
                  {"row.asc", "40 x 1"});

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "lode/api/edge_walk.h"
+#include "lode/api/lined_hierarchy.h"
+#include "lode/api/point_hierarchy.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
@@ -20,16 +23,22 @@ class HierarchyCandidate : public TerrainCandidate {
  public:
   [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double> tolerances,
                                      Threads threads, Progress& progress) final {
-    std::vector<double> levels(tolerances.begin(), tolerances.end());
-    std::ranges::sort(levels, std::greater());
-    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
     const Stopwatch watch;
-    LODE_TRY(grid_, triangle_hierarchy::FineGrid::make(grid));
-    LODE_CHECK(build(*grid_, levels, threads, progress));
-    LODE_TRY(chains_, triangle_hierarchy::EdgeChains::find_in(hierarchy()));
-    locator_.emplace(hierarchy());
-    seconds_ = watch.seconds();
-    return {};
+    LODE_TRY(auto made, triangle_hierarchy::FineGrid::make(grid));
+    surface_ = std::make_unique<const triangle_hierarchy::FineGrid>(std::move(made));
+    LODE_CHECK(build(*surface_, falling(tolerances), threads, progress, nullptr));
+    return finish(watch);
+  }
+  [[nodiscard]] Result<void> prepare_points(const PointTerrain& terrain,
+                                            std::span<const double> tolerances, Threads threads,
+                                            Progress& progress) final {
+    const Stopwatch watch;
+    const std::vector<double> levels = falling(tolerances);
+    LODE_TRY(auto made, surface_of(terrain, progress));
+    LODE_TRY(const auto first, first_mesh(terrain, *made, levels.front(), progress));
+    surface_ = std::move(made);
+    LODE_CHECK(build(*surface_, levels, threads, progress, &first));
+    return finish(watch);
   }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) final {
     if (progress.is_cancelled()) return cancelled_error();
@@ -61,7 +70,7 @@ class HierarchyCandidate : public TerrainCandidate {
   }
   [[nodiscard]] bool can_vary() const final { return true; }
   [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) final {
-    const triangle_hierarchy::MeasuredPatches errors(*grid_);
+    const triangle_hierarchy::MeasuredPatches errors(*surface_);
     const delaunay::Tin tin =
         tin_of_demand(hierarchy(), chains_, errors, middle_demand(hierarchy().frame, tolerance));
     return std::uint64_t{tin.triangles.size()};
@@ -83,13 +92,26 @@ class HierarchyCandidate : public TerrainCandidate {
   }
 
  protected:
-  virtual Result<void> build(const triangle_hierarchy::FineGrid& grid,
-                             std::span<const double> levels, Threads threads,
-                             Progress& progress) = 0;
+  virtual Result<void> build(const triangle_hierarchy::ReferenceSurface& surface,
+                             std::span<const double> levels, Threads threads, Progress& progress,
+                             const triangle_hierarchy::FirstMesh* first) = 0;
   [[nodiscard]] virtual const triangle_hierarchy::Hierarchy& hierarchy() const = 0;
 
  private:
-  std::optional<triangle_hierarchy::FineGrid> grid_;
+  static std::vector<double> falling(std::span<const double> tolerances) {
+    std::vector<double> levels(tolerances.begin(), tolerances.end());
+    std::ranges::sort(levels, std::greater());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    return levels;
+  }
+  Result<void> finish(const Stopwatch& watch) {
+    LODE_TRY(chains_, triangle_hierarchy::EdgeChains::find_in(hierarchy()));
+    locator_.emplace(hierarchy());
+    seconds_ = watch.seconds();
+    return {};
+  }
+
+  std::unique_ptr<const triangle_hierarchy::ReferenceSurface> surface_;
   triangle_hierarchy::EdgeChains chains_;
   std::optional<triangle_hierarchy::Locator> locator_;
   double seconds_ = 0;
@@ -104,9 +126,10 @@ class Adaptive final : public HierarchyCandidate {
   }
 
  private:
-  Result<void> build(const triangle_hierarchy::FineGrid& grid, std::span<const double> levels,
-                     Threads threads, Progress& progress) override {
-    LODE_TRY(made_, adaptive_triangulation::build(grid, levels, threads, progress));
+  Result<void> build(const triangle_hierarchy::ReferenceSurface& surface,
+                     std::span<const double> levels, Threads threads, Progress& progress,
+                     const triangle_hierarchy::FirstMesh* first) override {
+    LODE_TRY(made_, adaptive_triangulation::build(surface, levels, threads, progress, first));
     return {};
   }
   [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {
@@ -125,9 +148,10 @@ class Delaunay final : public HierarchyCandidate {
   }
 
  private:
-  Result<void> build(const triangle_hierarchy::FineGrid& grid, std::span<const double> levels,
-                     Threads threads, Progress& progress) override {
-    LODE_TRY(made_, hierarchical_delaunay::build(grid, levels, threads, progress));
+  Result<void> build(const triangle_hierarchy::ReferenceSurface& surface,
+                     std::span<const double> levels, Threads threads, Progress& progress,
+                     const triangle_hierarchy::FirstMesh* first) override {
+    LODE_TRY(made_, hierarchical_delaunay::build(surface, levels, threads, progress, first));
     return {};
   }
   [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {

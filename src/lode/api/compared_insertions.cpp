@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "lode/api/insertions_terrain.h"
+#include "lode/api/point_terrain.h"
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/models/terrain/insertions/history_locator.h"
 #include "lode/refine/focus.h"
@@ -68,17 +69,33 @@ class Insertions final : public HistoryCandidate {
 
 }  // namespace
 
+namespace {
+
+template <typename Ground>
+Result<void> build_history(const Ground& ground, std::span<const double> tolerances,
+                           Progress& progress, SharedHistory& shared) {
+  if (shared.history) return {};
+  shared.levels.assign(tolerances.begin(), tolerances.end());
+  std::ranges::sort(shared.levels, std::greater());
+  shared.levels.erase(std::unique(shared.levels.begin(), shared.levels.end()), shared.levels.end());
+  const Stopwatch watch;
+  LODE_TRY(shared.history, build_insertions(ground, shared.model, shared.levels.back(), progress));
+  shared.seconds = watch.seconds();
+  for (const double level : shared.levels)
+    shared.nodes.push_back(nodes_within(*shared.history, level));
+  return {};
+}
+
+}  // namespace
+
 Result<void> SharedHistory::build(const HeightGrid& grid, std::span<const double> tolerances,
                                   Progress& progress) {
-  if (history) return {};
-  levels.assign(tolerances.begin(), tolerances.end());
-  std::ranges::sort(levels, std::greater());
-  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
-  const Stopwatch watch;
-  LODE_TRY(history, build_insertions(grid, model, levels.back(), progress));
-  seconds = watch.seconds();
-  for (const double level : levels) nodes.push_back(nodes_within(*history, level));
-  return {};
+  return build_history(grid, tolerances, progress, *this);
+}
+
+Result<void> SharedHistory::build(const PointTerrain& terrain, std::span<const double> tolerances,
+                                  Progress& progress) {
+  return build_history(terrain, tolerances, progress, *this);
 }
 
 std::unique_ptr<TerrainCandidate> insertions_candidate(std::shared_ptr<SharedHistory> shared) {

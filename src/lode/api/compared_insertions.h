@@ -28,6 +28,8 @@ struct SharedHistory {
   /// Once.
   Result<void> build(const HeightGrid& grid, std::span<const double> tolerances,
                      Progress& progress);
+  Result<void> build(const PointTerrain& terrain, std::span<const double> tolerances,
+                     Progress& progress);
   [[nodiscard]] std::size_t level_of(double tolerance) const {
     return static_cast<std::size_t>(std::ranges::find(levels, tolerance) - levels.begin());
   }
@@ -41,10 +43,13 @@ class HistoryCandidate : public TerrainCandidate {
   [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double> tolerances,
                                      Threads /*threads*/, Progress& progress) final {
     LODE_CHECK(shared_->build(grid, tolerances, progress));
-    const Stopwatch watch;
-    LODE_CHECK(encode(progress));
-    encoding_seconds_ = watch.seconds();
-    return {};
+    return time_encoding(progress);
+  }
+  [[nodiscard]] Result<void> prepare_points(const PointTerrain& terrain,
+                                            std::span<const double> tolerances, Threads /*threads*/,
+                                            Progress& progress) final {
+    LODE_CHECK(shared_->build(terrain, tolerances, progress));
+    return time_encoding(progress);
   }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) final {
     if (progress.is_cancelled()) return cancelled_error();
@@ -81,6 +86,13 @@ class HistoryCandidate : public TerrainCandidate {
   [[nodiscard]] const SharedHistory& shared() const { return *shared_; }
 
  private:
+  Result<void> time_encoding(Progress& progress) {
+    const Stopwatch watch;
+    LODE_CHECK(encode(progress));
+    encoding_seconds_ = watch.seconds();
+    return {};
+  }
+
   std::shared_ptr<SharedHistory> shared_;
   double encoding_seconds_ = 0;
 };

@@ -9,6 +9,7 @@
 #include "lode/api/compared_pyramid.h"
 #include "lode/api/compared_quadtrees.h"
 #include "lode/api/edge_walk.h"
+#include "lode/api/point_terrain.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
@@ -33,10 +34,17 @@ class Selector final : public TerrainCandidate {
     grid_ = &grid;
     return {};
   }
+  [[nodiscard]] Result<void> prepare_points(const PointTerrain& terrain, std::span<const double>,
+                                            Threads, Progress&) override {
+    points_ = &terrain;
+    return {};
+  }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
+    const TerrainOptions options{.max_error = tolerance, .max_cells = {}, .order = order_};
     LODE_TRY(SelectedTerrain selected,
-             select_terrain(*grid_, {.max_error = tolerance, .max_cells = {}, .order = order_},
-                            delaunay::TinLinks::kept, progress));
+             points_ != nullptr
+                 ? select_terrain(*points_, options, delaunay::TinLinks::kept, progress)
+                 : select_terrain(*grid_, options, delaunay::TinLinks::kept, progress));
     return Answer{.tin = std::move(selected.tin), .stated_error = selected.report.achieved_error};
   }
   [[nodiscard]] bool is_made_anew() const override { return true; }
@@ -47,6 +55,7 @@ class Selector final : public TerrainCandidate {
  private:
   InsertionOrder order_;
   const HeightGrid* grid_ = nullptr;
+  const PointTerrain* points_ = nullptr;  ///< In its place.
 };
 
 /// Every s-th column and row, and the last ones.
@@ -133,6 +142,14 @@ class Subsampling final : public TerrainCandidate {
 };
 
 }  // namespace
+
+Result<void> TerrainCandidate::prepare_points(const PointTerrain& /*terrain*/,
+                                              std::span<const double> /*tolerances*/,
+                                              Threads /*threads*/, Progress& /*progress*/) {
+  return fail(
+      "its vertices are taken by columns and rows, in which scattered points are not; a raster is "
+      "needed");
+}
 
 Result<std::uint64_t> TerrainCandidate::extract_middle(double /*tolerance*/,
                                                        Progress& /*progress*/) {

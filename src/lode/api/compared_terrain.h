@@ -16,6 +16,8 @@
 
 namespace lode {
 
+struct PointTerrain;
+
 /// A rectangle of columns and rows, with its border.
 struct TerrainWindow {
   delaunay::LatticePoint lower;
@@ -47,6 +49,10 @@ class TerrainCandidate {
   [[nodiscard]] virtual Result<void> prepare(const HeightGrid& grid,
                                              std::span<const double> tolerances, Threads threads,
                                              Progress& progress) = 0;
+  /// The same of scattered points. Of models that need columns and rows it fails, and says so.
+  [[nodiscard]] virtual Result<void> prepare_points(const PointTerrain& terrain,
+                                                    std::span<const double> tolerances,
+                                                    Threads threads, Progress& progress);
   [[nodiscard]] virtual Result<Answer> extract(double tolerance, Progress& progress) = 0;
   /// Within the tolerance in the middle quarter of columns and rows, within ten times outside:
   /// the number of triangles. Of those that can_vary().

@@ -13,13 +13,13 @@
 #include <system_error>
 
 #include "lode/api/built_terrain.h"
+#include "lode/api/compared_ground.h"
 #include "lode/api/compared_terrain.h"
 #include "lode/api/edge_walk.h"
 #include "lode/api/file_build.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/peak_memory.h"
 #include "lode/core/stopwatch.h"
-#include "lode/delaunay/grid_domain.h"
 #include "lode/delaunay/tin_links.h"
 #include "lode/locate/tin_height.h"
 #include "lode/locate/tin_locator.h"
@@ -57,19 +57,19 @@ std::vector<double> contour_levels(const HeightRange& range, int n) {
 
 class Comparison {
  public:
-  Comparison(const HeightGrid& grid, const ComparisonOptions& options, Progress& progress)
-      : grid_(grid), options_(options), progress_(progress), range_(height_range(grid)) {
+  Comparison(const ComparedGround& ground, const ComparisonOptions& options, Progress& progress)
+      : ground_(ground), options_(options), progress_(progress), range_(ground.range()) {
     std::mt19937_64 random(options.seed);
     const auto place = [&](std::int32_t n) {
       return static_cast<double>(random() >> 11) * 0x1p-53 * (n - 1);
     };
     for (std::uint32_t i = 0; i < options.n_places; ++i)
-      places_.push_back({{place(grid.n_columns), place(grid.n_rows)}});
+      places_.push_back({{place(frame().n_columns), place(frame().n_rows)}});
   }
 
   Result<TerrainComparison> run() {
     TerrainComparison made{.range = range_, .models = {}};
-    made.n_samples = static_cast<std::uint64_t>(grid_.n_samples()) - grid_.n_missing();
+    made.n_samples = ground_.n_samples();
     made.memory_limit = options_.memory_limit > 0 ? options_.memory_limit : physical_memory() / 4;
     const std::vector<std::unique_ptr<TerrainCandidate>> models =
         terrain_candidates(made.memory_limit);
@@ -88,7 +88,7 @@ class Comparison {
                            .is_made_anew = model.is_made_anew(),
                            .neighbours = model.neighbours().how};
     const PeakMemory memory;
-    if (auto refusal = model.prepare(grid_, options_.tolerances, options_.threads, progress_);
+    if (auto refusal = ground_.prepare(model, options_.tolerances, options_.threads, progress_);
         !refusal) {
       if (progress_.is_cancelled()) return cancelled_error();
       compared.refusal = refusal.error().message;
@@ -123,7 +123,7 @@ class Comparison {
     std::ranges::sort(options.levels, std::greater());
     options.levels.erase(std::unique(options.levels.begin(), options.levels.end()),
                          options.levels.end());
-    LODE_TRY(const BuiltTerrain built, BuiltTerrain::build(grid_, options, progress_));
+    LODE_TRY(const BuiltTerrain built, ground_.build(options, progress_));
     const std::string path = fmt::format(
         "{}/lode-compare-{}.lode", std::filesystem::temp_directory_path().string(), ::getpid());
     auto size = built.save(path, progress_);
@@ -145,7 +145,7 @@ class Comparison {
     mesh.triangles = tin.triangles.size();
     mesh.vertices = tin.vertices.size();
     mesh.stated_error = answer.stated_error;
-    mesh.quality = measure_quality(tin, answer.scale, grid_, options_.threads);
+    mesh.quality = ground_.quality(tin, answer.scale, options_.threads);
     mesh.gaps = measure_gaps(tin);
     LODE_CHECK(measure_variable(model, tolerance, mesh));
     LODE_CHECK(measure_descent(model, tolerance, mesh));
@@ -170,8 +170,8 @@ class Comparison {
   /// What a model finds without a mesh.
   Result<void> measure_descent(TerrainCandidate& model, double tolerance,
                                ComparedMesh& mesh) const {
-    const TerrainWindow window{{3 * grid_.n_columns / 8, 3 * grid_.n_rows / 8},
-                               {5 * grid_.n_columns / 8, 5 * grid_.n_rows / 8}};
+    const TerrainWindow window{{part(frame().n_columns, 3), part(frame().n_rows, 3)},
+                               {part(frame().n_columns, 5), part(frame().n_rows, 5)}};
     bool can_zoom = false;
     LODE_TRY(const double zoom_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
                LODE_TRY(const auto found, model.zoom(tolerance, window));
@@ -249,7 +249,7 @@ class Comparison {
                return {};
              }));
     const delaunay::Point from{{0, 0}};
-    const delaunay::Point to{{scale * (grid_.n_columns - 1), scale * (grid_.n_rows - 1)}};
+    const delaunay::Point to{{scale * (frame().n_columns - 1), scale * (frame().n_rows - 1)}};
     LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
                mesh.profile_points = tin_profile(tin, from, to).size();
                return {};
@@ -257,7 +257,13 @@ class Comparison {
     return {};
   }
 
-  const HeightGrid& grid_;
+  [[nodiscard]] const HeightFrame& frame() const { return ground_.frame(); }
+  /// So many eighths.
+  static std::int32_t part(std::int32_t n, std::int32_t eighths) {
+    return static_cast<std::int32_t>(std::int64_t{n} * eighths / 8);
+  }
+
+  const ComparedGround& ground_;
   const ComparisonOptions& options_;
   Progress& progress_;
   HeightRange range_;
@@ -277,18 +283,30 @@ Result<void> check_options(const ComparisonOptions& options) {
 
 }  // namespace
 
-Result<TerrainComparison> compare_terrain(const HeightGrid& grid, const ComparisonOptions& options,
-                                          Progress& progress) try {
+namespace {
+
+Result<TerrainComparison> compare_on(const ComparedGround& ground, const ComparisonOptions& options,
+                                     Progress& progress) try {
   const Stopwatch watch;
   LODE_CHECK(check_options(options));
-  if (!delaunay::find_domain(grid))
-    return fail("expected a cell with four heights, got none of {} x {} samples", grid.n_columns,
-                grid.n_rows);
-  LODE_TRY(TerrainComparison made, Comparison(grid, options, progress).run());
+  LODE_CHECK(ground.check());
+  LODE_TRY(TerrainComparison made, Comparison(ground, options, progress).run());
   made.seconds = watch.seconds();
   return made;
 } catch (const std::bad_alloc&) {
   return out_of_memory("compare models of terrain");
+}
+
+}  // namespace
+
+Result<TerrainComparison> compare_terrain(const HeightGrid& grid, const ComparisonOptions& options,
+                                          Progress& progress) {
+  return compare_on(ComparedGround(grid), options, progress);
+}
+
+Result<TerrainComparison> compare_terrain(const PointTerrain& terrain,
+                                          const ComparisonOptions& options, Progress& progress) {
+  return compare_on(ComparedGround(terrain), options, progress);
 }
 
 }  // namespace lode

@@ -14,6 +14,8 @@
 
 namespace lode {
 
+struct PointTerrain;
+
 struct ComparisonOptions {
   std::vector<double> tolerances;   ///< Units of the heights, finite, >= 0; at least one.
   int n_runs = 3;                   ///< What takes time is done so often; the median counts.
@@ -89,6 +91,11 @@ struct TerrainComparison {
 /// baseline, and measures their meshes by the same means. Fails on options that are none, on
 /// rasters without a cell, and when cancelled.
 [[nodiscard]] Result<TerrainComparison> compare_terrain(const HeightGrid& grid,
+                                                        const ComparisonOptions& options,
+                                                        Progress& progress);
+/// The same of scattered points, whose errors are measured at the points of the domain: of models
+/// that can be built of them. The others are there, too, with a refusal.
+[[nodiscard]] Result<TerrainComparison> compare_terrain(const PointTerrain& terrain,
                                                         const ComparisonOptions& options,
                                                         Progress& progress);
 

@@ -7,6 +7,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/delaunay/tin.h"
+#include "lode/mappers/tin_quality.h"
 
 namespace lode {
 
@@ -16,5 +17,10 @@ namespace lode {
 [[nodiscard]] Result<std::uint64_t> count_understated_points(const delaunay::Tin& tin,
                                                              const HeightPoints& points,
                                                              Threads threads, Progress& progress);
+
+/// As measure_quality(), of a TIN of scattered points, from one step of whose lattice to the next
+/// there are `scale` nodes of the TIN's. Errors are computed in 64 bits of mantissa.
+[[nodiscard]] TinQuality measure_point_quality(const delaunay::Tin& tin, std::int32_t scale,
+                                               const HeightPoints& points, Threads threads);
 
 }  // namespace lode
