@@ -23,8 +23,14 @@ tetra_mt::WorldErrors known_of(const TetraFieldInfo& field) {
   return field.base_world_error ? tetra_mt::WorldErrors::known : tetra_mt::WorldErrors::unknown;
 }
 
+/// To a code of the box: by an eighth at most, or to the first one.
+bool is_rounded_up(double error, double code, const Box3d& bounds) {
+  const tetra_mt::WorldCodes codes(bounds.lower, bounds.upper);
+  return code >= error && (code <= 1.126 * error || code <= static_cast<double>(codes.error(1)));
+}
+
 template <typename Cut>
-Result<RefinedCells> refine(Cut cut, const TetraFieldInfo& field,
+Result<RefinedCells> refine(Cut cut, const TetraFieldInfo& field, const Box3d& bounds,
                             const std::optional<double>& tolerance, Progress& progress) {
   Engine<Cut> engine(cut);
   if (tolerance)
@@ -45,9 +51,7 @@ Result<RefinedCells> refine(Cut cut, const TetraFieldInfo& field,
   made.achieved_world = engine.largest([](const NodeFacts& facts) { return facts.world_error; });
   LODE_CHECK(cut.check());
   if (!tolerance) {
-    // Codes round up by an eighth at most.
-    made.has_stated_world = *field.base_world_error <= made.achieved_world &&
-                            made.achieved_world <= 1.126 * *field.base_world_error;
+    made.has_stated_world = is_rounded_up(*field.base_world_error, made.achieved_world, bounds);
     made.achieved_world = *field.base_world_error;
   }
   return made;
@@ -90,7 +94,8 @@ class HalfEdgeSource final : public TetraCutSource {
   Result<RefinedCells> refined(std::size_t field, std::optional<double> tolerance,
                                Progress& progress) const override {
     const TetraFieldInfo& info = info_.fields[field];
-    return refine(TetraCut(hierarchy_, field, known_of(info)), info, tolerance, progress);
+    return refine(TetraCut(hierarchy_, field, known_of(info)), info, info_.bounds, tolerance,
+                  progress);
   }
   Result<TetraCells> random(std::uint32_t n_nodes, std::uint64_t seed) const override {
     return cells_at_random(TetraCut(hierarchy_), hierarchy_.head().shape.n_nodes, n_nodes, seed);
@@ -134,7 +139,8 @@ class MidpointSource final : public TetraCutSource {
   Result<RefinedCells> refined(std::size_t field, std::optional<double> tolerance,
                                Progress& progress) const override {
     const TetraFieldInfo& info = info_.fields[field];
-    return refine(MidpointCut(forest_, field, known_of(info)), info, tolerance, progress);
+    return refine(MidpointCut(forest_, field, known_of(info)), info, info_.bounds, tolerance,
+                  progress);
   }
   Result<TetraCells> random(std::uint32_t n_nodes, std::uint64_t seed) const override {
     return cells_at_random(MidpointCut(forest_), forest_.head().n_nodes(), n_nodes, seed);

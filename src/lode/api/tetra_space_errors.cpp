@@ -21,7 +21,7 @@ struct ValueBox {
   std::array<double, 4> low{kNowhere, kNowhere, kNowhere, kNowhere};  ///< x, y, z, value.
   std::array<double, 4> high{-kNowhere, -kNowhere, -kNowhere, -kNowhere};
 
-  void widen(const Vec3d& p, const Range& values) {
+  void widen(const Vec3d& p, double value) {
     const std::array<double, 4> at{p[0], p[1], p[2], value};
     for (std::size_t i = 0; i < 4; ++i) {
       low[i] = std::min(low[i], at[i]);
