@@ -35,8 +35,8 @@ struct TetraBuildOptions {
   /// How far the boundary, and what lies between regions, may move; the mesh's unit. 0: they stay
   /// in their planes (CollapseRules::boundary_tolerance).
   double boundary_tolerance = 0;
-  /// Extrema of the fields on the mesh itself stay, too, not only those of the mesh as it is when an
-  /// edge collapses; of half edges.
+  /// Extrema of the fields on the mesh itself stay, too, not only those of the mesh as it is when
+  /// an edge collapses; of half edges.
   bool keeps_extrema = false;
   /// Whether world errors are found, too: how far points of the same value may lie apart, the
   /// paper's space error, an estimate (CollapseFacts). Queries with Query::max_world_error or

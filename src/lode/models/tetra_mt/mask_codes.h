@@ -57,6 +57,7 @@ class MaskCoder {
     std::map<std::uint64_t, std::uint32_t> counts;
     for (const std::uint64_t mask : masks) ++counts[mask];
     std::vector<std::uint64_t> table;
+    table.reserve(counts.size());
     for (const auto& [mask, n] : counts) table.push_back(mask);
     std::ranges::stable_sort(
         table, [&](std::uint64_t a, std::uint64_t b) { return counts.at(a) > counts.at(b); });

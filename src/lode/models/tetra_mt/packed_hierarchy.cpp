@@ -304,12 +304,12 @@ const FieldPage& PackedHierarchy::load(std::uint32_t number, std::size_t field) 
 
 /// Of a page that cannot be loaded nothing is known.
 const WorldPage& PackedHierarchy::load_world(std::uint32_t number, std::size_t field) const {
-  static const WorldPage unknown(kPageNodes, WorldCodes::kInfinite);
+  static const WorldPage kUnknown(kPageNodes, WorldCodes::kInfinite);
   const std::lock_guard lock(pages_->mutex);
   OnceSlots<WorldPage>& worlds = pages_->fields[field]->worlds;
   if (const WorldPage* const page = worlds.at(number)) return *page;
   auto page = pages_->try_load([&] { return pages_->load.world_errors(field, number); });
-  return page ? worlds.put(number, std::move(*page)) : unknown;
+  return page ? worlds.put(number, std::move(*page)) : kUnknown;
 }
 
 const FieldBase& PackedHierarchy::load_base(std::size_t field) const {
@@ -380,7 +380,7 @@ std::size_t PackedHierarchy::n_page_bytes() const {
     add(field->pages);
     for (std::size_t i = 0; i < field->worlds.size(); ++i)
       if (const WorldPage* const page = field->worlds.at(i))
-        n += sizeof *page + page->size() + sizeof(void*);
+        n += sizeof(WorldPage) + page->size() + sizeof(void*);
   }
   return n;
 }
