@@ -312,8 +312,10 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                             .places = made.places},
                            session.progress()));
   TerrainReport report = made.report;
-  if (!made.places.empty() && can_hold_places(job.output))
+  if (!made.places.empty() && can_hold_places(job.output)) {
     report.height_slack = report.position_slack = 0;
+    report.n_turned = 0;  // by floats, which the file has none of
+  }
   return Written{report, {}, watch.seconds(), made.clip};
 }
 

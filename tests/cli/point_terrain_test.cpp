@@ -281,7 +281,8 @@ TEST_F(cli_points, on_both_sides_of_180_degrees_are_turned_with_their_outline) {
        {plain, geojson("parts.geojson", ring(178.45, 180) + "," + ring(-180, -178.45)),
         geojson("jump.geojson", ring(178.45, -178.45)),
         geojson("west.geojson", ring(-181.55, -178.45))})
-    EXPECT_EQ(extracted("split.xyz", outline), expected) << outline;
+    for (const char* const points : {"split.xyz", "whole.xyz"})
+      EXPECT_EQ(extracted(points, outline), expected) << points << " " << outline;
   const auto info = run_lode({"info", scratch_ / "split.xyz", "--outline",
                               scratch_ / "jump.geojson", "--crs", "EPSG:4326", "--json"})
                         .json();

@@ -318,6 +318,18 @@ TEST(cli_terrain, keeps_digits_of_heights_that_are_far_apart) {
   const Finished check =
       run_lode({"verify", points, "--surface", scratch / "wide.ply", "--max-error", "0.05"});
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+  // Nearer to one another than floats tell apart, many as high as others.
+  std::string cluster = "0 0 0\n0 40 1\n1000000 60 1e9\n";
+  for (int i = 0; i < 20 * 20; ++i)
+    cluster += fmt::format("{:.2f} {:.2f} {}\n", 1e6 + 0.01 * (i % 20), 0.01 * (i / 20),
+                           0.37 * (i * 7 % 3 % 2));
+  write_bytes(points, cluster);
+  const auto near =
+      run_lode({"extract", points, scratch / "near.ply", "--max-error", "0", "--json"}).json();
+  EXPECT_EQ(near.at("turned_triangles"), 0);
+  const Finished near_check =
+      run_lode({"verify", points, "--surface", scratch / "near.ply", "--max-error", "0"});
+  EXPECT_EQ(near_check.exit_code, 0) << near_check.out << near_check.err;
   // GeoTIFF, by itself.
   const auto tif = run_lode({"extract", dem, scratch / "out.tif", "--max-error", "0.05", "--json"});
   EXPECT_LE(tif.json().at("raster").at("error").get<double>(), 0.05) << tif.out;

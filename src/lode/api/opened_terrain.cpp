@@ -73,12 +73,11 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
           .vertical = file.vertical};
 }
 
-/// Of places, those in polygons that have a longitude or more.
-std::uint64_t count_in(std::span<const PlacePolygon> polygons, std::span<const Vec3d> places,
-                       double longitude) {
+/// Of places, those in polygons.
+std::uint64_t count_in(std::span<const PlacePolygon> polygons, std::span<const Vec3d> places) {
   const PolygonLocator outline(polygons);
   return static_cast<std::uint64_t>(std::ranges::count_if(places, [&](const Vec3d& place) {
-    return place[0] >= longitude && outline.holds({{place[0], place[1]}});
+    return outline.holds({{place[0], place[1]}});
   }));
 }
 
@@ -92,12 +91,15 @@ std::uint64_t bring_together(const HorizontalMetric& metric, io::PointFile& file
   const double n_steps = whole_turn(metric) / file.lattice.step;
   constexpr double kRounding = 1e-3;
   if (!(std::abs(n_steps - std::round(n_steps)) < kRounding)) file.lattice = {};
-  const double west = std::ranges::min(file.points, {}, [](const Vec3d& p) { return p[0]; })[0];
+  std::vector<Vec3d> moved;
+  for (const Vec3d& p : file.points)
+    if (p[0] < *from) moved.push_back(p);
+  turn_places(metric, *from, moved);
   const std::uint64_t n_turned = turn_places(metric, *from, file.points);
   if (domain.outline.empty()) return n_turned;
   domain.outline = turn_polygons(metric, *from, std::move(domain.outline));
   domain.is_outline_near = true;
-  return count_in(domain.outline, file.points, west + whole_turn(metric));
+  return count_in(domain.outline, moved);
 }
 
 /// Lines without jumps of longitudes, and those that are whole turns away from a terrain's there:

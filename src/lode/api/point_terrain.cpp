@@ -70,7 +70,8 @@ std::vector<Vec3d> points_within(std::span<const Vec3d> points,
   return within;
 }
 
-/// With polygons whose longitudes are whole turns away from the points' there.
+/// With polygons without jumps, and those whose longitudes are whole turns away from the points'
+/// there.
 PointTerrainOptions options_near(std::span<const Vec3d> points, const HorizontalMetric& metric,
                                  PointTerrainOptions options) {
   const auto middle_of = [](const auto& places) {
@@ -80,6 +81,7 @@ PointTerrainOptions options_near(std::span<const Vec3d> points, const Horizontal
   if (points.empty() || options.is_outline_near) return options;
   const double middle = middle_of(points);
   for (PlacePolygon& polygon : options.outline) {
+    unroll_polygon(metric, polygon);
     const double shift = turns_towards(metric, middle, middle_of(polygon.front()));
     for (auto& ring : polygon)
       for (auto& p : ring) p[0] += shift;

@@ -119,14 +119,22 @@ Longitudes longitudes_of(std::span<const Vec<double, 2>> ring) {
   return {west[0], east[0]};
 }
 
-/// Without jumps, where these are some.
+void shift(PlacePolygon& polygon, double by) {
+  for (auto& ring : polygon)
+    for (auto& place : ring) place[0] += by;
+}
+
+}  // namespace
+
 void unroll_polygon(const HorizontalMetric& metric, PlacePolygon& polygon) {
+  if (!metric.ellipsoid || polygon.empty() || polygon.front().empty()) return;
   PlacePolygon unrolled = polygon;
   unroll(metric, unrolled.front());
   const auto [west, east] = longitudes_of(unrolled.front());
   constexpr double kHalf = 0.5 + 1e-9;
   if (!(east > west && east - west <= kHalf * whole_turn(metric))) return;
   for (std::size_t i = 1; i < unrolled.size(); ++i) {
+    if (unrolled[i].empty()) continue;
     unroll(metric, unrolled[i]);
     const auto [hole_west, hole_east] = longitudes_of(unrolled[i]);
     const double shift = turns_towards(metric, (west + east) / 2, (hole_west + hole_east) / 2);
@@ -134,13 +142,6 @@ void unroll_polygon(const HorizontalMetric& metric, PlacePolygon& polygon) {
   }
   polygon = std::move(unrolled);
 }
-
-void shift(PlacePolygon& polygon, double by) {
-  for (auto& ring : polygon)
-    for (auto& place : ring) place[0] += by;
-}
-
-}  // namespace
 
 std::vector<PlacePolygon> turn_polygons(const HorizontalMetric& metric, double from,
                                         std::vector<PlacePolygon> polygons) {

@@ -65,6 +65,10 @@ void unroll(const HorizontalMetric& metric, Places& places) {
     places[i][0] += turns_towards(metric, places[i - 1][0], places[i][0]);
 }
 
+/// Takes jumps out of a polygon's rings, where that leaves it half a turn wide or less, and brings
+/// its holes into it; else, and without longitudes, it stays as it is.
+void unroll_polygon(const HorizontalMetric& metric, PlacePolygon& polygon);
+
 /// Polygons for places that were turned (turn_places()): whole turns on or back, so that each
 /// covers what it does of the turn that begins at `from`, twice where it reaches over both ends.
 /// Rings that jump (from 179 to -179) go the shorter way, where that leaves them half a turn wide

@@ -149,15 +149,19 @@ class PointTinChecker {
     if (max_error_ > 0) allowed = std::min(allowed, max_error_);
     std::optional<std::uint32_t> best;
     double least = allowed;
+    double nearest = 0;  // of those whose height is off by as much
     squares_.for_each_near(
         node(at[0] - reach[0], at[1] - reach[1]), node(at[0] + reach[0], at[1] + reach[1]),
         [&](std::uint32_t i) {
           const LatticePoint& p = points_.nodes[i];
           if (std::abs(p.x - at[0]) > reach[0] || std::abs(p.y - at[1]) > reach[1]) return;
           const double offset = std::abs(world[2] - points_.heights[i]);
-          if (offset > least || (best && offset == least)) return;
+          if (offset > least) return;
+          const double way = std::hypot(p.x - at[0], p.y - at[1]);
+          if (best && offset == least && way >= nearest) return;
           best = i;
           least = offset;
+          nearest = way;
         });
     if (best) facts_.height_offset = std::max(facts_.height_offset, least);
     return best;
