@@ -171,8 +171,13 @@ TEST_F(cli_render_waves, are_fine_where_their_own_camera_or_another_looks) {
   expect_refused({"--boundary", "--view-size", "60x50"}, "--view-size: expected --view");
   expect_refused({"--boundary", "--camera", near, "--view-size", "6x5"}, "--view-size: expected");
   expect_refused({"--boundary", "--view", scratch_ / "none.json"}, "none.json");
-  expect_refused({"--boundary", "--camera", near, "--max-error-px", "1"},
-                 "--max-error-px: expected --max-error with a mesh of cells");
+  expect_refused({"--boundary", "--camera", near, "--max-error-px", "1"}, "space errors");
+  expect_refused({"--boundary", "--max-error-px", "1"}, "of a picture --camera");
+  input_ = scratch_ / "in_space.lode";
+  ASSERT_EQ(run_lode({"build", scratch_ / "waves.vtu", input_, "--space-errors"}).exit_code, 0);
+  const nlohmann::json seen = report({"--boundary", "--camera", far, "--max-error-px", "4"});
+  EXPECT_LE(seen.at("achieved_px"), 4);
+  EXPECT_LE(report({"--boundary", "--max-space-error", "0.5"}).at("achieved_space_error"), 0.5);
 }
 
 TEST_F(cli_render_tetra, shows_what_is_in_a_threshold_and_what_a_deadline_leaves_time_for) {

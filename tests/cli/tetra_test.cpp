@@ -371,9 +371,10 @@ TEST_F(cli_tetra, takes_views_and_deadlines) {
   const nlohmann::json base = report({"--deadline-ms", "0"});
   EXPECT_EQ(base.at("is_settled"), false);
   EXPECT_EQ(base.at("cells"), base.at("base_cells"));
-  const Finished pixels = extract({"--view", camera, "--max-error-px", "1"});
-  EXPECT_EQ(pixels.exit_code, 2);
-  EXPECT_NE(pixels.err.find("--max-error-px: expected --max-error"), std::string::npos);
+  // Of a mesh that is built for the question space errors are found, too.
+  const nlohmann::json pixels = report({"--view", camera, "--max-error-px", "1"});
+  EXPECT_LE(pixels.at("achieved_px"), 1);
+  EXPECT_LE(pixels.at("cells"), seen.at("cells"));
 }
 
 }  // namespace
