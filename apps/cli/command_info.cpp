@@ -5,7 +5,7 @@
 #include "build_tetra.h"
 #include "command.h"
 #include "describe.h"
-#include "extract_terrain.h"
+#include "info_terrain.h"
 #include "input.h"
 #include "sample_range.h"
 #include "tetra_input.h"

@@ -30,9 +30,4 @@ struct TerrainJob {
 [[nodiscard]] Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app);
 [[nodiscard]] Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session);
 
-/// What `lode info` says of a raster of heights, or of a .lode file made of one.
-[[nodiscard]] Result<Outcome> run_terrain_info(const std::string& path,
-                                               const TerrainArguments& terrain,
-                                               const ReadingArguments& reading, Session& session);
-
 }  // namespace lode::cli
