@@ -161,14 +161,12 @@ double BlockCollapser::world_error_of(int kept, std::size_t field) const {
     }
   const auto place = static_cast<std::size_t>(kept);
   const ValuedFan fan{star_, fan_, link_, link_[place], values, values[place]};
-  double largest = 0;
-  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+  const auto sample_at = [&](std::size_t s) {
     const std::uint32_t sample = covered_.samples[s];
     const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
-    largest = std::max(largest, distance_in_cells(fan.size(), covers_[s].lane, fan,
-                                                  state_.same_values(sample, field), p, largest));
-  }
-  return largest / scale_;
+    return FanSample{covers_[s].lane, state_.same_values(sample, field), p};
+  };
+  return largest_distance(fan, covered_.samples.size(), sample_at) / scale_;
 }
 
 void BlockCollapser::note_facts(int kept) {

@@ -66,4 +66,24 @@ struct ValuedFan {
   }
 };
 
+/// What a fan's lane covers, and the values that count as its own.
+struct FanSample {
+  std::size_t lane;
+  Range values;
+  Vec3d place;
+};
+
+/// The largest distance_in_cells() of n samples. `sample_at(i)`: one.
+template <typename SampleAt>
+[[nodiscard]] double largest_distance(const ValuedFan& fan, std::size_t n,
+                                      const SampleAt& sample_at) {
+  double largest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const FanSample sample = sample_at(i);
+    largest = std::max(largest, distance_in_cells(fan.size(), sample.lane, fan, sample.values,
+                                                  sample.place, largest));
+  }
+  return largest;
+}
+
 }  // namespace lode::tetra_mt

@@ -182,14 +182,12 @@ double EdgeCollapser::world_error_of(std::size_t field) const {
       values[at] = values_[edge_.link[at] * n + field];
     }
   const ValuedFan fan{edge_, fan_, link_, at_, values, value_[field].value};
-  double largest = 0;
-  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+  const auto sample_at = [&](std::size_t s) {
     const std::uint32_t sample = covered_.samples[s];
     const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
-    largest = std::max(largest, distance_in_cells(fan.size(), covers_[s].lane, fan,
-                                                  state_.same_values(sample, field), p, largest));
-  }
-  return largest / scale_;
+    return FanSample{covers_[s].lane, state_.same_values(sample, field), p};
+  };
+  return largest_distance(fan, covered_.samples.size(), sample_at) / scale_;
 }
 
 void EdgeCollapser::note_facts(std::size_t field) {
