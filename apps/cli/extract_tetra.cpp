@@ -237,6 +237,7 @@ void warn_of_empty(Session& session, const MeshJob& job, bool is_empty) {
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input,
            open_tetra_input(job.input, reading_for(job.reading, job.query), session));
+  LODE_CHECK(check_space_errors(job.input, input.field(), job.query));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
   LODE_TRY(options.regions, wanted_regions(job.input, input.dataset.describe(), job.query));
@@ -356,6 +357,7 @@ Result<void> write_surfaces(const MeshJob& job, const TetraInput& input, const S
 Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& session) {
   LODE_TRY(const TetraInput input,
            open_tetra_input(job.input, reading_for(job.reading, job.query), session));
+  LODE_CHECK(check_space_errors(job.input, input.field(), job.query));
   LODE_TRY(wanted.mesh.regions, wanted_regions(job.input, input.dataset.describe(), job.query));
   wanted.surface.regions = wanted.sections.regions = wanted.mesh.regions;
   Surface surface;

@@ -221,6 +221,7 @@ Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) 
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   LODE_TRY(const TetraInput input,
            open_tetra_input(job.input, reading_for(job.reading, with_own_view(job)), session));
+  LODE_CHECK(check_space_errors(job.input, input.field(), with_own_view(job)));
   LODE_TRY(const TetraPicture made, draw_picture(job, input, session));
   return picture_outcome(job, input, made, session);
 }

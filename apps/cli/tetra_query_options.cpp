@@ -51,6 +51,15 @@ ReadingArguments reading_for(const ReadingArguments& reading, const QueryArgumen
   return made;
 }
 
+Result<void> check_space_errors(const std::string& path, const TetraFieldInfo& field,
+                                const QueryArguments& arguments) {
+  const bool is_asked = !arguments.max_space_error.empty() || !arguments.max_error_px.empty();
+  if (!is_asked || field.base_world_error) return {};
+  return fail(
+      "{}: expected a model of build --space-errors with {}, got one without space errors of {}",
+      path, arguments.max_space_error.empty() ? "--max-error-px" : "--max-space-error", field.name);
+}
+
 void add_space_error(const QueryArguments& arguments, const SpaceErrors& achieved, Table& table,
                      Json& json) {
   if (achieved.world) {

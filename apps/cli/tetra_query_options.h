@@ -46,6 +46,10 @@ void add_deadline(bool is_settled, Table& table);
 [[nodiscard]] ReadingArguments reading_for(const ReadingArguments& reading,
                                            const QueryArguments& arguments);
 
+/// Fails, naming the file, where space errors are asked for and it has none of the field.
+[[nodiscard]] Result<void> check_space_errors(const std::string& path, const TetraFieldInfo& field,
+                                              const QueryArguments& arguments);
+
 /// Achieved, where they were asked for.
 struct SpaceErrors {
   std::optional<double> world{};
