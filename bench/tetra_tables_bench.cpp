@@ -1,7 +1,7 @@
 // The results of Cignoni, De Floriani, Magillo, Puppo, Scopigno, "Selective Refinement Queries for
-// Volume Visualization of Unstructured Tetrahedral Meshes" (2004), section 8, tables 1 to 3, beside
-// ours: docs/models/tetra_mt.md. Theirs were measured on a Pentium III of 800 MHz, and of what they
-// measured only what their text says is known here.
+// Volume Visualization of Unstructured Tetrahedral Meshes" (2004), section 8, tables 1 to 3 and its
+// text, beside ours: docs/models/tetra_mt.md. Theirs were measured on a Pentium III of 800 MHz, and
+// of what they measured only what their text says is known here.
 
 #include <fmt/format.h>
 
@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "bench/papers/table.h"
+#include "bench/papers/tetra_data.h"
+#include "bench/papers/tetra_prose.h"
 #include "bench/tetra_cases.h"
 #include "bench/timing.h"
 #include "lode/api/tetra_dataset.h"
 #include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_isosurface.h"
-#include "lode/models/tetra_mt/half_edge.h"
-#include "lode/models/tetra_mt/packed_hierarchy.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
@@ -28,12 +28,9 @@
 namespace lode::bench {
 namespace {
 
-using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
-constexpr Threads kThreads{2};
 constexpr int kIsovalues = 9;  ///< Evenly between the field's ends.
-constexpr double kBaseShare = 0.01;
 constexpr std::array<double, 6> kUniform{10, 5, 2, 1, 0.1, 0};  ///< Percent of the range.
 constexpr std::array<double, 3> kByIsovalue{5, 1, 0};
 
@@ -42,56 +39,19 @@ struct Settings {
   std::string directory;
 };
 
-/// A data set, and what is made of it once.
-struct Data {
-  std::string name;
-  TetraMesh mesh;
-  SimplexMesh cells;
-  double low = 0;
-  double high = 0;
-  PackedHierarchy hierarchy;
-  TetraDataset dataset;
-  double build_s = 0;
-  double margin = 0;  ///< Of isosurfaces.
-
-  [[nodiscard]] double range() const { return high - low; }
-  [[nodiscard]] double isovalue(int k) const { return low + k * range() / (kIsovalues + 1); }
-  [[nodiscard]] double share(std::uint64_t n) const {
-    return 100 * static_cast<double>(n) / static_cast<double>(mesh.tetrahedra.size());
-  }
-};
-
-std::string ms(double seconds) { return fmt::format("{:.1f}", seconds * 1e3); }
-
-Result<Data> prepare(const TetraCase& tetra_case) {
-  LODE_TRY(TetraMesh mesh, load(tetra_case));
-  const auto [low, high] = std::ranges::minmax(mesh.fields.front().values);
-  Progress progress;
-  const auto start = Clock::now();
-  const auto base = static_cast<double>(mesh.tetrahedra.size()) * kBaseShare;
-  LODE_TRY(
-      const auto collapses,
-      tetra_mt::collapse_half_edges(
-          mesh, {.base_cells = static_cast<std::uint64_t>(base), .threads = kThreads}, progress));
-  LODE_TRY(const tetra_mt::Hierarchy hierarchy, make_hierarchy(mesh, collapses, kThreads));
-  PackedHierarchy packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), kThreads);
-  const double build_s = seconds_since(start);
-  LODE_TRY(TetraDataset dataset,
-           TetraDataset::build(mesh, {.base_share = kBaseShare, .threads = kThreads}, progress));
-  SimplexMesh cells = oracles::to_simplex_mesh(mesh);
-  const double margin = rounding_margin(cells.positions, {});
-  return Data{tetra_case.name,   std::move(mesh),    std::move(cells), low,   high,
-              std::move(packed), std::move(dataset), build_s,          margin};
+double isovalue_of(const TetraData& data, int k) {
+  return data.low + k * data.range() / (kIsovalues + 1);
 }
 
 /// Of the data's mesh or a cut: vertices keep as far from others in both.
-Surface isosurface(const Data& data, const SimplexMesh& mesh, double isovalue, Threads threads) {
+Surface isosurface(const TetraData& data, const SimplexMesh& mesh, double isovalue,
+                   Threads threads) {
   Surface surface;
   add_isosurface(mesh, isovalue, {.margin = data.margin, .threads = threads}, surface);
   return surface;
 }
 
-double isosurface_seconds(const Data& data, const SimplexMesh& mesh, double isovalue) {
+double isosurface_seconds(const TetraData& data, const SimplexMesh& mesh, double isovalue) {
   return median_seconds([&] {
     const auto start = Clock::now();
     const Surface surface = isosurface(data, mesh, isovalue, {1});
@@ -104,7 +64,7 @@ struct Refined {
   Standing standing;
   double seconds = 0;
 };
-Refined refine(const Data& data, const Demand& demand) {
+Refined refine(const TetraData& data, const Demand& demand) {
   Refined refined;
   refined.seconds = median_seconds([&] {
     TetraCut cut(data.hierarchy);
@@ -121,9 +81,9 @@ Refined refine(const Data& data, const Demand& demand) {
 
 class Tables {
  public:
-  void add_parameters(const Data& data);
-  void add_uniform(const Data& data);
-  Result<void> add_isovalues(const Data& data);
+  void add_parameters(const TetraData& data);
+  void add_uniform(const TetraData& data);
+  Result<void> add_isovalues(const TetraData& data);
   [[nodiscard]] Result<void> publish(const std::string& directory) const;
 
  private:
@@ -164,11 +124,12 @@ class Tables {
       {}};
 };
 
-void Tables::add_parameters(const Data& data) {
+void Tables::add_parameters(const TetraData& data) {
   std::size_t n_triangles = 0;
   for (int k = 1; k <= kIsovalues; ++k)
-    n_triangles += isosurface(data, data.cells, data.isovalue(k), kThreads).triangles.size();
-  const Surface boundary = mesh_boundary(data.cells, {}, kThreads);
+    n_triangles +=
+        isosurface(data, data.cells, isovalue_of(data, k), kTableThreads).triangles.size();
+  const Surface boundary = mesh_boundary(data.cells, {}, kTableThreads);
   parameters_.rows.push_back(
       {data.name, fmt::format("{}", data.mesh.positions.size()),
        fmt::format("{}", data.mesh.tetrahedra.size()), fmt::format("{}", boundary.triangles.size()),
@@ -176,7 +137,7 @@ void Tables::add_parameters(const Data& data) {
        fmt::format("{}", n_triangles / kIsovalues), fmt::format("{:.2f}", data.build_s)});
 }
 
-void Tables::add_uniform(const Data& data) {
+void Tables::add_uniform(const TetraData& data) {
   for (const double percent : kUniform) {
     const Refined refined = refine(data, uniform_demand(percent / 100 * data.range()));
     const Standing& standing = refined.standing;
@@ -184,15 +145,15 @@ void Tables::add_uniform(const Data& data) {
     uniform_.rows.push_back(
         {data.name, fmt::format("{:g}", percent), fmt::format("{}", n_base + standing.n_applied),
          fmt::format("{}", standing.n_cells), fmt::format("{:.1f}", data.share(standing.n_cells)),
-         ms(refined.seconds),
+         milliseconds(refined.seconds),
          fmt::format("{:.0f}", static_cast<double>(standing.n_applied) / refined.seconds)});
   }
 }
 
-Result<void> Tables::add_isovalues(const Data& data) {
+Result<void> Tables::add_isovalues(const TetraData& data) {
   for (int k = 1; k <= kIsovalues; ++k) {
-    const double isovalue = data.isovalue(k);
-    const Surface full = isosurface(data, data.cells, isovalue, kThreads);
+    const double isovalue = isovalue_of(data, k);
+    const Surface full = isosurface(data, data.cells, isovalue, kTableThreads);
     const double full_s = isosurface_seconds(data, data.cells, isovalue);
     for (const double percent : kByIsovalue) {
       const double tolerance = percent / 100 * data.range();
@@ -200,22 +161,22 @@ Result<void> Tables::add_isovalues(const Data& data) {
       TetraMeshOptions options;
       options.query.isovalues = {isovalue};
       options.query.max_error = tolerance;
-      options.threads = kThreads;
+      options.threads = kTableThreads;
       SimplexMesh cut;
       Progress progress;
       LODE_TRY(const MeshReport report, data.dataset.extract_mesh(options, cut, progress));
-      const Surface surface = isosurface(data, cut, isovalue, kThreads);
+      const Surface surface = isosurface(data, cut, isovalue, kTableThreads);
       if (percent == 0 && oracles::sorted_triangles(surface) != oracles::sorted_triangles(full))
         return fail(
             "{}: expected the isosurface of {} to be the mesh's {} triangles at a tolerance of 0, "
             "got {}",
             data.name, isovalue, full.triangles.size(), surface.triangles.size());
-      isovalues_.rows.push_back({data.name, fmt::format("{}", 100 * k / (kIsovalues + 1)),
-                                 fmt::format("{:g}", percent), fmt::format("{}", report.n_cells),
-                                 fmt::format("{:.1f}", data.share(report.n_cells)),
-                                 fmt::format("{}", surface.triangles.size()), ms(refined.seconds),
-                                 ms(isosurface_seconds(data, cut, isovalue)),
-                                 fmt::format("{}", full.triangles.size()), ms(full_s)});
+      isovalues_.rows.push_back(
+          {data.name, fmt::format("{}", 100 * k / (kIsovalues + 1)), fmt::format("{:g}", percent),
+           fmt::format("{}", report.n_cells), fmt::format("{:.1f}", data.share(report.n_cells)),
+           fmt::format("{}", surface.triangles.size()), milliseconds(refined.seconds),
+           milliseconds(isosurface_seconds(data, cut, isovalue)),
+           fmt::format("{}", full.triangles.size()), milliseconds(full_s)});
     }
   }
   return {};
@@ -234,6 +195,7 @@ Result<void> run(const Settings& settings) {
   std::vector<TetraCase> cases = real_tetra_cases();
   cases.push_back(noise_case(oracles::Cut::in_six));
   Tables tables;
+  TetraProse prose;
   for (const TetraCase& tetra_case : cases) {
     if (tetra_case.name.find(settings.only) == std::string::npos) continue;
     const auto data = prepare(tetra_case);
@@ -244,9 +206,11 @@ Result<void> run(const Settings& settings) {
     tables.add_parameters(*data);
     tables.add_uniform(*data);
     LODE_CHECK(tables.add_isovalues(*data));
+    LODE_CHECK(prose.add(*data));
   }
   fmt::print("Times are medians of seven.\n\n");
-  return tables.publish(settings.directory);
+  LODE_CHECK(tables.publish(settings.directory));
+  return prose.publish(settings.directory);
 }
 
 }  // namespace
