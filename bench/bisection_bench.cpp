@@ -1,6 +1,6 @@
 // Bisection of right triangles: milliseconds of finding all errors and of a mesh within a
-// tolerance, on a tile of 512^2 samples, a spectral fractal of 4097^2 and etopo5. It races nobody:
-// what Martini and hmm take of the same is in docs/models/right_triangle_bisection.md.
+// tolerance, on a tile of 512^2 samples, spectral fractals and etopo5; squares beside Martini
+// (github.com/mapbox/martini), where LODE_MARTINI names its npm package, with ratios on one thread.
 
 #include <fmt/format.h>
 
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bench/data_directory.h"
+#include "bench/peers/martini.h"
 #include "bench/timing.h"
 #include "lode/api/built_terrain.h"
 #include "lode/api/files.h"
@@ -30,14 +31,16 @@ using bisection::Bisection;
 using bisection::find_triangle;
 using bisection::height_in;
 
+constexpr std::int32_t kMartiniSide = 4097;  ///< Of larger ones it keeps gigabytes.
+
 struct Settings {
   int n_runs = 21;
   std::uint64_t seed = 3;
 };
 
-/// Median and smallest, in milliseconds.
+/// Prints median and smallest, in milliseconds, and returns the median.
 template <typename Work>
-void print_times(const std::string& name, int n_runs, const Work& work) {
+double print_times(const std::string& name, int n_runs, const Work& work) {
   std::vector<double> ms;
   std::size_t n = 0;
   for (int i = 0; i < n_runs; ++i) {
@@ -47,6 +50,32 @@ void print_times(const std::string& name, int n_runs, const Work& work) {
   }
   fmt::print("{:44} {:>10.3f} {:>10.3f} {:>12}\n", name, median(ms), *std::ranges::min_element(ms),
              n);
+  std::fflush(stdout);
+  return median(ms);
+}
+
+/// What one thread took, as MartiniTimes has it.
+struct OwnTimes {
+  double errors_ms = 0;
+  std::vector<double> mesh_ms{};
+};
+
+void race_martini(const std::string& name, const HeightGrid& grid,
+                  const std::vector<double>& tolerances, const OwnTimes& own, int n_runs) {
+  const auto peer = time_martini(grid, tolerances, n_runs);
+  if (!peer) {
+    fmt::print("{}: Martini: {}\n", name, peer.error().message);
+    return;
+  }
+  fmt::print("{:44} {:>10.3f} {:>23}  ours {:.1f} times as fast\n",
+             fmt::format("{}: Martini, errors", name), peer->errors_ms, "",
+             peer->errors_ms / own.errors_ms);
+  for (std::size_t k = 0; k < tolerances.size(); ++k) {
+    const MartiniTimes::Mesh& mesh = peer->meshes[k];
+    fmt::print("{:44} {:>10.3f} {:>10} {:>12}  ours {:.1f} times as fast; it errs by {:g}\n",
+               fmt::format("{}: Martini, \"within {}\"", name, tolerances[k]), mesh.ms, "",
+               mesh.n_triangles, mesh.ms / own.mesh_ms[k], mesh.true_error);
+  }
   std::fflush(stdout);
 }
 
@@ -58,14 +87,21 @@ void measure(const std::string& name, const HeightGrid& grid, const std::vector<
     fmt::print("{}: {}\n", name, built.error().message);
     return;
   }
-  for (const int n_threads : {1, 2})
-    print_times(fmt::format("{}: errors, {} threads", name, n_threads), settings.n_runs,
-                [&] { return Bisection::build(grid, {n_threads}, progress)->lattice().size(); });
-  for (const double tolerance : tolerances)
-    for (const int n_threads : {1, 2})
-      print_times(
+  OwnTimes own;
+  for (const int n_threads : {2, 1})
+    own.errors_ms = print_times(
+        fmt::format("{}: errors, {} threads", name, n_threads), settings.n_runs,
+        [&] { return Bisection::build(grid, {n_threads}, progress)->lattice().size(); });
+  for (const double tolerance : tolerances) {
+    double ms = 0;
+    for (const int n_threads : {2, 1})
+      ms = print_times(
           fmt::format("{}: within {}, {} threads", name, tolerance, n_threads), settings.n_runs,
           [&] { return tin_within(*built, grid, tolerance, {n_threads}).triangles.size(); });
+    own.mesh_ms.push_back(ms);
+  }
+  if (std::max(grid.n_columns, grid.n_rows) <= kMartiniSide)
+    race_martini(name, grid, tolerances, own, settings.n_runs);
 }
 
 /// Heights at random places from the errors alone, one thread: millions a second.
