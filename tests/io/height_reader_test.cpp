@@ -25,19 +25,7 @@ TEST_F(height_reader, finds_missing_floats_by_the_decimals_of_their_files) {
   EXPECT_EQ(read((*this)("scaled.tif"), {.nodata = -9999.9}).grid.n_missing(), 2U);
 }
 
-TEST_F(height_reader, takes_no_format_that_reads_other_files_or_the_network) {
-  write_raster((*this)("real.tif"), {.samples = twelve(1)});
-  std::ofstream((*this)("other.tif"))
-      << "<VRTDataset rasterXSize=\"4\" rasterYSize=\"3\"><VRTRasterBand "
-         "dataType=\"Int16\" band=\"1\"><SimpleSource><SourceFilename>"
-      << (*this)("real.tif")
-      << "</SourceFilename><SourceBand>1</SourceBand></SimpleSource>"
-         "</VRTRasterBand></VRTDataset>";
-  EXPECT_NE(refusal((*this)("other.tif")).find("got a VRT, which reads other files"),
-            std::string::npos);
-  std::filesystem::rename((*this)("other.tif"), (*this)("other.vrt"));
-  EXPECT_TRUE(is_height_path((*this)("other.vrt")));
-  EXPECT_NE(refusal((*this)("other.vrt")).find("gdal_translate"), std::string::npos);
+TEST_F(height_reader, takes_no_netcdf) {
   for (const std::string& head : {std::string("\x89HDF\r\n\x1a\n"), std::string("CDF\1")})
     for (const char* name : {"four.nc", "gmt.grd"}) {
       std::ofstream((*this)(name), std::ios::binary) << head << " and more";

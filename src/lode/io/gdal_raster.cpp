@@ -10,10 +10,14 @@
 #include "lode/io/height_formats.h"
 #include "lode/io/input_file.h"
 #include "lode/io/text.h"
+#include "lode/io/virtual_raster.h"
+#include "lode/io/virtual_sources.h"
 
 namespace lode::io {
 
 namespace {
+
+constexpr const char* kOpenFiles = "GDAL_MAX_DATASET_POOL_SIZE";
 
 /// GDAL's word for a GeoTIFF that says whether samples are points and nothing of a CRS.
 bool is_empty_crs(std::string_view wkt) {
@@ -42,8 +46,18 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   const std::string type_option = "DATATYPE=" + type;
   const std::array<const char*, 2> open_options{type.empty() ? nullptr : type_option.c_str(),
                                                 nullptr};
+  constexpr std::array<const char*, 2> kVirtual{"VRT", nullptr};
+  const bool is_virtual = is_virtual_raster(path);
+  if (is_virtual) {
+    LODE_TRY(const std::uint64_t n_bytes, check_virtual_sources(path, *gdal));
+    raster.n_file_bytes_ += n_bytes;
+    // A row of a mosaic may be in hundreds of files, which should stay open until the next one.
+    gdal->set_option(kOpenFiles, "450");
+    gdal->reset_errors();
+  }
   raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY,
-                               raster_drivers().data(), open_options.data(), nullptr);
+                               is_virtual ? kVirtual.data() : raster_drivers().data(),
+                               open_options.data(), nullptr);
   if (raster.dataset_ == nullptr)
     return fail("{}: expected {}, got: {}", path, kRasterFormats, raster.reason());
   return raster;
@@ -54,6 +68,7 @@ GdalRaster::~GdalRaster() {
   if (dataset_ != nullptr) gdal_->close(dataset_);
   if (source_ != nullptr) gdal_->close(source_);
   gdal_->set_option("GTIFF_REPORT_COMPD_CS", nullptr);
+  gdal_->set_option(kOpenFiles, nullptr);
   gdal_->pop_error_handler();
 }
 

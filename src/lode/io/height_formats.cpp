@@ -82,12 +82,6 @@ bool ends_with_any(const std::string& name, const std::array<const char*, N>& ex
 std::span<const char* const> raster_drivers() { return kDrivers; }
 
 Result<void> check_raster_kind(const std::string& path) {
-  constexpr std::size_t kRoot = 256;
-  if (to_lower(path).ends_with(".vrt") || head_of(path, kRoot).find("<VRTDataset") < kRoot)
-    return fail(
-        "{}: expected a raster that is in its own file, got a VRT, which reads other files: "
-        "gdal_translate makes a GeoTIFF of it",
-        path);
   // Its driver in GDAL 3.6 crashed on 3 of 70 damaged files.
   if (is_netcdf(path))
     return fail("{}: expected {}, got netCDF: gdal_translate makes a GeoTIFF of it", path,

@@ -9,21 +9,22 @@ namespace lode::io {
 
 /// GDAL's drivers that are asked, and a null: those that read one file, or it and
 /// sidecars of its name and kind, whatever it is called and says; neither others nor the network.
+/// VRT, which reads others, is asked where these have been looked at: check_virtual_sources().
 [[nodiscard]] std::span<const char* const> raster_drivers();
 
 /// Those, in words.
 inline constexpr const char* kRasterFormats =
     "a GeoTIFF, PNG, DTED, USGS DEM, ESRI ASCII, EHdr, ENVI, ERDAS Imagine, JPEG 2000, SAGA, "
-    "Surfer or BT raster";
+    "Surfer or BT raster, or a VRT of those";
 
-/// Refuses, saying why, VRT, which reads other files, and netCDF: as HDF5 it may name others, and
-/// GDAL's driver does not survive damaged ones; and SAGA grids whose heights are a multiple of what
+/// Refuses, saying why, netCDF: as HDF5 it may name other files, and GDAL's driver does not survive
+/// damaged ones; and SAGA grids whose heights are a multiple of what
 /// they store, which GDAL does not heed.
 [[nodiscard]] Result<void> check_raster_kind(const std::string& path);
 
 /// Whether a file is a raster of heights. By its name: .tif, .tiff, .asc, .hgt, .hgt.gz, .png,
-/// .dem, .bil, .flt, .dt0, .dt1, .dt2, .jp2, .sdat, .grd, .bt, and .vrt and .nc, which are
-/// refused as they are read (any case). By name and content: .img of ERDAS, and .img, .dat, .bip
+/// .dem, .bil, .flt, .dt0, .dt1, .dt2, .jp2, .sdat, .grd, .bt, .vrt, and .nc, which is
+/// refused as it is read (any case). By name and content: .img of ERDAS, and .img, .dat, .bip
 /// and .bsq beside a header of ENVI. By content alone: a TIFF whose name says nothing else.
 [[nodiscard]] bool is_height_path(const std::string& path);
 

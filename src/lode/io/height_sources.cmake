@@ -26,7 +26,9 @@ set(IO_HEIGHT_SOURCES
   raster_warp.cpp
   resampling_error.cpp
   vector_file.cpp
-  vertical_crs.cpp)
+  vertical_crs.cpp
+  virtual_raster.cpp
+  virtual_sources.cpp)
 
 # GDAL is loaded by its name when it is needed: linked, it would triple the time to start.
 find_package(GDAL REQUIRED)
