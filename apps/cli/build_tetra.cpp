@@ -7,6 +7,7 @@
 #include "parse.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
+#include "tetra_record.h"
 #include "text.h"
 #include "vtk_import.h"
 
@@ -109,7 +110,6 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   add_regions(info.regions, table, json);
   add_patches(info.patches, table, json);
   json["boundary_deviation"] = info.boundary_deviation;
-  if (info.boundary_tolerance) json["boundary_tolerance"] = *info.boundary_tolerance;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
   table.add({"placement", name_of(info.placement)});
@@ -118,8 +118,6 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
                                       format_count(info.n_vertices))});
   table.add({"base", format_count(info.n_base_cells) + " cells"});
   table.add({"nodes", format_count(info.n_nodes)});
-  if (info.boundary_tolerance.value_or(0) > 0)
-    table.add({"boundary tolerance", format_number(*info.boundary_tolerance)});
   const auto corner = [](const Vec3d& p) {
     return fmt::format("({}, {}, {})", format_number(p[0]), format_number(p[1]),
                        format_number(p[2]));
@@ -252,13 +250,14 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   if (base_cells && !made.mesh.tetrahedra.empty())
     options.base_share =
         static_cast<double>(*base_cells) / static_cast<double>(made.mesh.tetrahedra.size());
+  keep_reading(made.report, options);
   auto built = TetraDataset::build_file(made.mesh, job.output, options, session.progress());
   if (!built) {
     if (session.progress().is_cancelled() || built.error().message.starts_with(job.output))
       return built.error();
     return fail("{}: {}", job.input, built.error().message);
   }
-  warn_of_seams(made.report, built->refusals, session);
+  warn_of_seams(made.report, built->info.record.refusals, session);
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "build";
@@ -266,21 +265,9 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   json["output"] = job.output;
   Table table;
   add_info(built->info, table, json);
-  json["order"] = name_of_order(job.reading);
-  table.add({"order", name_of_order(job.reading)});
-  json["extrema"] = job.keeps_extrema ? "reference" : "mesh";
-  table.add({"extrema that stay",
-             job.keeps_extrema ? "of the reference" : "of the mesh as it was by then"});
+  add_record(built->info.record, table, json);
   add_cell_counts(made.report, table, json["reading"]);
   const double n = static_cast<double>(std::max<std::uint64_t>(built->info.n_vertices, 1));
-  json["volume_change"] = built->volume_change;
-  std::string kept;
-  for (const auto& [rule, n_kept] : built->refusals) {
-    json["base_vertices_kept"][rule] = n_kept;
-    kept += fmt::format("{}{} {}", kept.empty() ? "" : ", ", format_count(n_kept),
-                        rule == "limit" ? "that no rule keeps" : rule);
-  }
-  if (!kept.empty()) table.add({"base vertices kept", kept});
   table.add({"boundary moved", format_number(built->info.boundary_deviation) + " at most"});
   json["file_bytes"] = built->file_bytes;
   json["seconds"] = {{"total", watch.seconds()},
@@ -309,6 +296,8 @@ Result<Outcome> tetra_info(const std::string& path, const ReadingArguments& read
   Table table;
   table.add({"file", path});
   add_info(input.dataset.describe(), table, outcome.json);
+  add_record(input.dataset.describe().record, table, outcome.json);
+  add_kept_reading(input.dataset.describe().record, table, outcome.json);
   if (const double moved = input.dataset.describe().boundary_deviation; moved > 0)
     table.add({"boundary moved", format_number(moved) + " at most"});
   outcome.json["file_bytes"] = input.dataset.reads().file_size;

@@ -8,6 +8,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "tetra_query_options.h"
+#include "tetra_record.h"
 #include "text.h"
 #include "tolerance.h"
 
@@ -79,7 +80,7 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
   json["outputs"] = made.outputs;
   json["model"] = "tetra_mt";
   json["placement"] = name_of(info.placement);
-  if (input.was_built()) json["order"] = name_of_order(job.reading);
+  json["order"] = name_of(input.dataset.describe().record.order);
   json["field"] = field.name;
   json["with"] = Json::array();
   for (const Attribute& more : made.attributes)
@@ -127,7 +128,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   add_reading(input, table, outcome.json);
   if (info.placement != Placement::half_edge || !job.reading.placement.empty())
     table.add({"placement", name_of(info.placement)});
-  if (input.was_built()) table.add({"order", name_of_order(job.reading)});
+  if (input.was_built()) table.add({"order", name_of(input.dataset.describe().record.order)});
   table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
                                  format_number(field.base_error), place)});
   table.add(

@@ -10,6 +10,7 @@
 #include "lode/api/mesh_picture.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "tetra_record.h"
 #include "tolerance.h"
 #include "vtk_import.h"
 
@@ -169,32 +170,6 @@ Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& r
   return use;
 }
 
-void add_nonfinite(const TetraReport& report, Table& table, Json& json) {
-  json["nonfinite"] = Json::array();
-  std::uint64_t n = 0;
-  for (const NonfiniteField& field : report.nonfinite) {
-    n += field.n_values;
-    json["nonfinite"].push_back(
-        {{"field", field.name}, {"values", field.n_values}, {"first_point", field.first}});
-    table.add({"values that are not finite",
-               fmt::format("{}: {}, the first at point {} from 0", field.name,
-                           format_count(field.n_values), field.first)});
-  }
-  json["nonfinite_values"] = n;
-}
-
-/// What means over cells did to the peaks of their fields.
-void add_averaged(const TetraReport& report, Table& table, Json& json) {
-  json["averaged"] = Json::array();
-  for (const AveragedField& field : report.averaged) {
-    json["averaged"].push_back(
-        {{"field", field.name}, {"cell_peak", field.cell_peak}, {"point_peak", field.point_peak}});
-    table.add({"cells to points",
-               fmt::format("{}: largest size {} at cells, {} at points", field.name,
-                           format_number(field.cell_peak), format_number(field.point_peak))});
-  }
-}
-
 Result<CollapseOrder> to_order(const ReadingArguments& reading) {
   const std::string& order = reading.order;
   if (reading.is_fast && !order.empty() && order != "quadric")
@@ -234,11 +209,6 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
     if (std::ranges::find(options.fields, name) == options.fields.end())
       options.fields.push_back(std::move(name));
   return options;
-}
-
-std::string name_of_order(const ReadingArguments& reading) {
-  if (reading.is_fast) return "quadric";
-  return reading.order.empty() ? "error" : reading.order;
 }
 
 Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading, Threads threads) {
@@ -441,46 +411,6 @@ void add_reading(const TetraInput& input, Table& table, Json& json) {
   json["file_bytes"] = reads.file_size;
   table.add({"read",
              fmt::format("{} of {}", format_bytes(reads.n_bytes), format_bytes(reads.file_size))});
-}
-
-void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
-  struct Count {
-    const char* key;
-    const char* name;
-    std::uint64_t n;
-  };
-  const std::array<Count, 17> counts{
-      {{"ghost_cells", "ghost cells left out", report.n_ghost_cells},
-       {"hidden_cells", "hidden cells left out", report.n_hidden_cells},
-       {"lower_cells", "points, lines and faces left out", report.n_lower_cells},
-       {"patches", "patches of the boundary", report.n_patches},
-       {"patch_faces", "faces of patches", report.n_patch_cells},
-       {"inner_faces", "faces of patches inside left out", report.n_inner_faces},
-       {"welded_points", "points welded", report.n_welded_points},
-       {"weld_refusals", "not welded, as values differ", report.n_weld_refusals},
-       {"unused_points", "unused points left out", report.n_unused_points},
-       {"coincident_points", "points at another's place", report.n_coincident_points},
-       {"new_points", "centres of polyhedra", report.n_new_points},
-       {"repeating", "cells with a corner twice left out", report.n_repeating},
-       {"zero_volume", "cells without volume", report.n_zero_volume},
-       {"left_handed", "left-handed cells turned", report.n_left_handed},
-       {"turned_wedges", "wedges turned", report.n_turned_wedges},
-       {"inverted", "inverted cells", report.n_inverted},
-       {"components", "components", report.n_components}}};
-  for (const Count& count : counts) {
-    json[count.key] = count.n;
-    const std::uint64_t usual = std::string_view(count.key) == "components" ? 1 : 0;
-    if (count.n > usual) table.add({count.name, format_count(count.n)});
-  }
-  add_nonfinite(report, table, json);
-  json["regions_not_taken"] = report.regions_not_taken;
-  for (const std::string& field : report.regions_not_taken)
-    table.add({"not taken for regions", field});
-  json["skipped_arrays"] = report.skipped_arrays;
-  if (!report.skipped_arrays.empty())
-    table.add({"arrays left out (texts, bits, or as told)",
-               fmt::format("{}", fmt::join(report.skipped_arrays, ", "))});
-  add_averaged(report, table, json);
 }
 
 }  // namespace lode::cli

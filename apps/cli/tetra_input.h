@@ -36,8 +36,6 @@ struct TetraInput {
 /// Whether a mesh is named as MEDIT's are, whose fields are in files of their own.
 [[nodiscard]] bool is_medit_path(const std::string& path);
 
-/// As --order has it, of arguments that can be meant.
-[[nodiscard]] std::string name_of_order(const ReadingArguments& reading);
 /// How a hierarchy is built; without what a file's build alone is told.
 [[nodiscard]] Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading,
                                                          Threads threads);
@@ -74,9 +72,7 @@ inline constexpr const char* kWhereShown = ", times extinction as a share of the
                                                   const ReadingArguments& reading,
                                                   Session& session);
 
-/// What was made of the file's cells, as far as a user may wonder at it.
-void add_cell_counts(const TetraReport& report, Table& table, Json& json);
-/// The same, or how much of a .lode file was read.
+/// What was made of the file's cells (add_cell_counts()), or how much of a .lode file was read.
 void add_reading(const TetraInput& input, Table& table, Json& json);
 
 }  // namespace lode::cli

@@ -188,6 +188,42 @@ VECTORS v double
 1 2 2  1 2 2  1 2 2  1 2 2  1 2 2  1 2 2  1 5 2  1 2 2
 )";
 
+TEST_F(cli_tetra, has_files_that_say_how_they_were_read_and_built) {
+  write_bytes(scratch_ / "torn.vtk", kTorn);
+  const std::string model = scratch_ / "torn.lode";
+  for (const Words& options : {Words{"--weld", "0", "--weld-values", "0.25", "--boundary-tolerance",
+                                     "0.125", "--order", "space", "--keep-extrema"},
+                               Words{"--placement", "midpoint", "--fast"}}) {
+    Words words{"build", scratch_ / "torn.vtk", model, "--field", "f", "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished build = run_lode(words);
+    ASSERT_EQ(build.exit_code, 0) << build.err;
+    const Finished info = run_lode({"info", model, "--json"});
+    ASSERT_EQ(info.exit_code, 0) << info.err;
+    for (const char* key :
+         {"order", "extrema", "boundary_tolerance", "volume_change", "base_vertices_kept"})
+      EXPECT_EQ(info.json().at(key), build.json().at(key)) << key;
+    const nlohmann::json kept = info.json().at("reading");
+    EXPECT_EQ(kept.size(), 17U);
+    for (const auto& [key, n] : kept.items())
+      EXPECT_EQ(n, build.json().at("reading").at(key)) << key;
+    EXPECT_EQ(info.json().at("notes").size(), 0U);
+    // Attaching a field keeps it.
+    const std::string more = scratch_ / "more.lode";
+    words = {"attach-field", model, scratch_ / "torn.vtk", more, "--field", "v"};
+    if (options.front() == "--weld")
+      words.insert(words.end(), options.begin(), options.begin() + 4);
+    const Finished attached = run_lode(words);
+    ASSERT_EQ(attached.exit_code, 0) << attached.err;
+    const nlohmann::json after = run_lode({"info", more, "--json"}).json();
+    for (const char* key : {"order", "extrema", "boundary_tolerance", "reading"})
+      EXPECT_EQ(after.at(key), info.json().at(key)) << key;
+  }
+  const Finished text = run_lode({"info", model});
+  EXPECT_NE(text.out.find("points at another's place  3"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("order"), std::string::npos) << text.out;
+}
+
 TEST_F(cli_tetra, welds_points_where_all_fields_agree) {
   write_bytes(scratch_ / "torn.vtk", kTorn);
   const auto reading = [&](Words options) {

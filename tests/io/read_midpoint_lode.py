@@ -29,13 +29,14 @@ LEAF, NEAR, FAR = range(3)
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 4, "unknown layout")
+    expect(c.take("I") == 5, "unknown layout")
     m["V"], m["P"], m["B"], m["R"] = c.take("4I")
     m["n_reference"], m["n_base"], m["T"] = c.take("3Q")
     m["box"], m["deviation"] = c.take("6d"), c.take("d")
-    m["tolerance"], m["n_coincident"] = c.take("d"), c.take("I")
+    m["n_coincident"] = c.take("I")
     m["regions"] = tetra.read_regions(c)
     m["patches"] = [(c.take("q"), c.take_bytes(c.take("I"))) for _ in range(c.take("I"))]
+    m["record"] = tetra.read_record(c)
     m["steps"] = [c.take("iq") for _ in range(3)]
     m["D"] = c.take("d")
     m["fields"] = [read_field(c) for _ in range(c.take("I"))]

@@ -520,13 +520,14 @@ def read_regions(c):
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 8, "unknown layout")
+    expect(c.take("I") == 9, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
     m["deviation"] = c.take("d")
     m["regions"] = read_regions(c)
     m["patches"] = [(c.take("q"), c.take_bytes(c.take("I")).decode("utf-8")) for _ in range(c.take("I"))]
+    m["record"] = read_record(c)
     m["fields"] = []
     for _ in range(c.take("I")):
         f = {"name": c.take_bytes(c.take("I")).decode("utf-8")}
@@ -536,6 +537,21 @@ def read_metadata(raw):
         m["fields"].append(f)
     c.end()
     return m
+
+
+def read_record(c):
+    """How the file was built."""
+
+    def text():
+        return c.take_bytes(c.take("I")).decode("utf-8")
+
+    order, keeps_extrema, tolerance, volume = c.take("BBdd")
+    expect(order < 3 and keeps_extrema < 2 and tolerance >= 0, "a wrong record")
+    refusals = [(text(), c.take("Q")) for _ in range(c.take("I"))]
+    reading = [(text(), c.take("Q")) for _ in range(c.take("I"))]
+    notes = [(text(), text()) for _ in range(c.take("I"))]
+    return {"order": order, "tolerance": tolerance, "volume": volume, "refusals": refusals,
+            "reading": reading, "notes": notes}
 
 
 def read_base_world_error(c):

@@ -1,7 +1,6 @@
 #include "lode/api/tetra_build.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
 
@@ -17,14 +16,20 @@
 namespace lode {
 namespace {
 
-std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::RefusalCounts& counts) {
-  constexpr std::array<const char*, tetra_mt::RefusalCounts::kSize> kNames{
-      "non-manifold", "extremum", "boundary", "regions", "shape",
-      "topology",     "crowded",  "rounding", "limit"};
-  std::vector<std::pair<std::string, std::uint64_t>> result;
-  for (std::size_t i = 0; i < kNames.size(); ++i)
-    if (counts.counts[i] > 0) result.emplace_back(kNames[i], counts.counts[i]);
-  return result;
+tetra_mt::BuildRecord record_of(const TetraBuildOptions& options) {
+  return {.order = options.order,
+          .keeps_extrema = options.keeps_extrema,
+          .boundary_tolerance = options.boundary_tolerance,
+          .reading = options.reading,
+          .notes = options.notes};
+}
+/// What came of collapses of either kind.
+template <typename Collapses>
+tetra_mt::BuildRecord record_of(const TetraBuildOptions& options, const Collapses& collapses) {
+  tetra_mt::BuildRecord record = record_of(options);
+  record.volume_change = collapses.volume_change;
+  record.refusals = named(collapses.refusals);
+  return record;
 }
 
 std::uint64_t base_cells_of(const TetraMesh& mesh, const TetraBuildOptions& options) {
@@ -98,11 +103,13 @@ Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh, const TetraBu
   LODE_TRY(const auto collapses, collapse_mesh(mesh, options, progress));
   LODE_TRY(auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
   hierarchy.time = options.time;
+  hierarchy.record = record_of(options, collapses);
   return hierarchy;
 }
 
-Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOptions& options,
-                                       Progress& progress) {
+Result<tetra_mt::midpoint::Hierarchy> build_midpoints(const TetraMesh& mesh,
+                                                      const TetraBuildOptions& options,
+                                                      Progress& progress) {
   if (options.error_place == ErrorPlace::everywhere)
     return fail("midpoints: expected errors at samples, got errors everywhere");
   if (options.keeps_extrema)
@@ -121,7 +128,8 @@ Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOp
                                               progress));
   LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));
   for (tetra_mt::midpoint::ForestField& field : hierarchy.fields) field.time = options.time;
-  return BuiltMidpoints{std::move(hierarchy), collapses.volume_change, collapses.refusals};
+  hierarchy.record = record_of(options, collapses);
+  return hierarchy;
 }
 
 namespace {
@@ -129,15 +137,12 @@ namespace {
 Result<TetraFileReport> build_midpoint_file(const TetraMesh& mesh, const std::string& path,
                                             const TetraBuildOptions& options, Progress& progress) {
   const Stopwatch watch;
-  LODE_TRY(const BuiltMidpoints made, build_midpoints(mesh, options, progress));
+  LODE_TRY(const auto made, build_midpoints(mesh, options, progress));
   TetraFileReport report;
-  report.volume_change = made.volume_change;
-  report.refusals = named(made.refusals);
   report.build_seconds = watch.seconds();
-  report.info = info_of(made.hierarchy);
+  report.info = info_of(made);
   const Stopwatch write_watch;
-  LODE_TRY(report.file_bytes,
-           tetra_mt::midpoint::save(made.hierarchy, path, options.threads, progress));
+  LODE_TRY(report.file_bytes, tetra_mt::midpoint::save(made, path, options.threads, progress));
   report.write_seconds = write_watch.seconds();
   return report;
 }
@@ -149,14 +154,9 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
                                                  Progress& progress) try {
   if (options.placement == Placement::midpoint)
     return build_midpoint_file(mesh, path, options, progress);
-  Stopwatch watch;
-  LODE_TRY(auto collapses, collapse_mesh(mesh, options, progress));
+  const Stopwatch watch;
+  LODE_TRY(const auto hierarchy, build_hierarchy(mesh, options, progress));
   TetraFileReport report;
-  report.volume_change = collapses.volume_change;
-  report.refusals = named(collapses.refusals);
-  LODE_TRY(auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
-  hierarchy.time = options.time;
-  collapses = {};
   report.build_seconds = watch.seconds();
   report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
   const Stopwatch write_watch;

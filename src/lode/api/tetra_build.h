@@ -15,13 +15,7 @@ namespace lode {
                                                           const TetraBuildOptions& options,
                                                           Progress& progress);
 
-struct BuiltMidpoints {
-  tetra_mt::midpoint::Hierarchy hierarchy;
-  double volume_change = 0;  ///< The base's volume less the reference's.
-  tetra_mt::RefusalCounts refusals;
-};
-[[nodiscard]] Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh,
-                                                     const TetraBuildOptions& options,
-                                                     Progress& progress);
+[[nodiscard]] Result<tetra_mt::midpoint::Hierarchy> build_midpoints(
+    const TetraMesh& mesh, const TetraBuildOptions& options, Progress& progress);
 
 }  // namespace lode

@@ -74,7 +74,7 @@ Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuild
                                          Progress& progress) try {
   if (options.placement == Placement::midpoint) {
     LODE_TRY(auto midpoints, build_midpoints(mesh, options, progress));
-    return TetraDataset(std::make_unique<Impl>(Midpoints(std::move(midpoints.hierarchy))));
+    return TetraDataset(std::make_unique<Impl>(Midpoints(std::move(midpoints))));
   }
   LODE_TRY(const auto hierarchy, build_hierarchy(mesh, options, progress));
   std::vector<std::vector<std::uint32_t>> codes;

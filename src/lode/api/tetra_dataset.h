@@ -19,11 +19,13 @@
 #include "lode/core/scalar_type.h"
 #include "lode/core/surface.h"
 #include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/build_record.h"
 #include "lode/models/tetra_mt/collapse_order.h"
 
 namespace lode {
 
 using tetra_mt::CollapseOrder;
+using TetraBuildRecord = tetra_mt::BuildRecord;
 
 /// Where edges collapse to: one of their ends, so that all vertices are the reference's with their
 /// own values; or, as in the paper, their midpoints.
@@ -52,6 +54,10 @@ struct TetraBuildOptions {
   /// Of all its fields, where they are a step of a series, in any unit; finite. Others come later,
   /// by attach_fields().
   std::optional<double> time{};
+  /// What was counted when the mesh was read, and what was said of its arrays, by name: for whoever
+  /// opens the file, TetraInfo::record.
+  std::vector<TetraBuildRecord::Count> reading{};
+  std::vector<TetraBuildRecord::Note> notes{};
   /// Bytes; a mesh that needs more is refused. 0: none.
   std::uint64_t memory_limit = 0;
   Threads threads{};
@@ -92,8 +98,7 @@ struct TetraInfo {
   std::vector<TetraFieldInfo> fields{};  ///< At least one.
   Box3d bounds{};                        ///< Of all vertices.
   double boundary_deviation = 0;         ///< Of cuts' boundaries; the mesh's unit.
-  /// What its build was told; of midpoints, whose files say it.
-  std::optional<double> boundary_tolerance{};
+  TetraBuildRecord record{};             ///< What its build was told, and what came of it.
   std::vector<MeshRegion> regions{};     ///< By number, ascending.
   std::vector<BoundaryPatch> patches{};  ///< Parts of the boundary, likewise.
 };
@@ -107,9 +112,6 @@ struct TetraReads {
 struct TetraFileReport {
   TetraInfo info;
   std::uint64_t file_bytes = 0;
-  double volume_change = 0;  ///< The base's volume less the reference's.
-  /// Vertices of the base by the rule that keeps them there; docs/models/tetra_mt.md.
-  std::vector<std::pair<std::string, std::uint64_t>> refusals;
   double build_seconds = 0;
   double write_seconds = 0;
 };

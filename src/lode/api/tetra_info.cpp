@@ -39,7 +39,7 @@ TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
           .fields = std::move(fields),
           .bounds = head.box,
           .boundary_deviation = head.boundary_deviation,
-          .boundary_tolerance = head.boundary_tolerance,
+          .record = head.record,
           .regions = regions_of(head.region_ids, head.region_names),
           .patches = head.patches};
 }
@@ -72,6 +72,7 @@ TetraInfo info_of(const tetra_mt::HierarchyHead& head) {
           .fields = std::move(fields),
           .bounds = {head.lower, head.upper},
           .boundary_deviation = head.boundary_deviation,
+          .record = head.record,
           .regions = regions_of(head.region_ids, head.region_names),
           .patches = head.patches};
 }

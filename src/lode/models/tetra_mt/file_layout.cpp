@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/build_record.h"
 #include "lode/store/bytes.h"
 
 namespace lode::tetra_mt {
@@ -74,6 +75,7 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
   write_labels(labels_of(head), out);
+  write_record(head.record, out);
   out.write(static_cast<std::uint32_t>(head.fields.size()));
   for (const HierarchyHead::Field& field : head.fields) {
     out.write_string(field.name);
@@ -107,6 +109,7 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   LODE_TRY(head.boundary_deviation, read_deviation(in, path));
   LODE_TRY(HeadLabels labels, read_labels(in, path));
   take_labels(std::move(labels), head);
+  LODE_TRY(head.record, read_record(in, path));
   head.shape.n_labels = n_labels_of(head.region_ids, head.patches);
   head.shape.n_regions = n_regions_of(head.region_ids);
   LODE_TRY(const auto n_fields, in.read<std::uint32_t>());

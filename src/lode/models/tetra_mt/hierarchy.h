@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/build_record.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
 #include "lode/models/tetra_mt/half_edge.h"
 #include "lode/refine/model.h"
@@ -35,11 +36,12 @@ struct Hierarchy {
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
   double boundary_deviation = 0;           ///< HalfEdgeCollapses': of the base, and so of any cut.
-  bool has_errors_everywhere = false;      ///< Likewise: facts' errors hold at all points.
-  bool has_world_errors = false;           ///< Likewise: else facts' are infinite.
-  std::vector<std::int64_t> region_ids;    ///< The mesh's.
-  std::vector<std::string> region_names;   ///< TetraMesh's.
-  std::vector<BoundaryPatch> patches;      ///< Likewise.
+  BuildRecord record;                      ///< Whoever builds a file of it says.
+  bool has_errors_everywhere = false;     ///< HalfEdgeCollapses': facts' errors hold at all points.
+  bool has_world_errors = false;          ///< Likewise: else facts' are infinite.
+  std::vector<std::int64_t> region_ids;   ///< The mesh's.
+  std::vector<std::string> region_names;  ///< TetraMesh's.
+  std::vector<BoundaryPatch> patches;     ///< Likewise.
   /// By tetrahedron of the base: places in region_ids, or, of one to the vertex outside,
   /// patch_mark() of its face. Empty where there is one region at most and no patch.
   std::vector<std::uint32_t> base_regions;

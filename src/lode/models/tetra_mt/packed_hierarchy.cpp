@@ -89,6 +89,7 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   head.region_names = hierarchy.region_names;
   head.patches = hierarchy.patches;
   head.boundary_deviation = hierarchy.boundary_deviation;
+  head.record = hierarchy.record;
   head.base_regions = hierarchy.base_regions;
   return head;
 }

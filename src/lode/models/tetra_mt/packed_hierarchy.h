@@ -12,6 +12,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/result.h"
 #include "lode/core/scalar_type.h"
+#include "lode/models/tetra_mt/build_record.h"
 #include "lode/models/tetra_mt/field_page.h"
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/node_page.h"
@@ -40,7 +41,8 @@ struct HierarchyHead {
   std::uint64_t n_base_cells = 0;  ///< Without those to the vertex outside.
   Vec3d lower;                     ///< Of all positions.
   Vec3d upper;
-  double boundary_deviation = 0;  ///< Hierarchy's.
+  double boundary_deviation = 0;  ///< Hierarchy's,
+  BuildRecord record;             ///< likewise.
   std::vector<Field> fields;
   std::vector<std::uint32_t> roots;  ///< Nodes without parents, ascending.
   std::vector<Vec3d> base_positions;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/build_record.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/store/bytes.h"
 
@@ -136,9 +137,9 @@ std::vector<std::byte> encode_head(const ForestHead& head) {
   for (const Vec3d* corner : {&head.box.lower, &head.box.upper})
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
-  out.write(head.boundary_tolerance);
   out.write(head.n_coincident_leaves);
   write_labels(labels_of(head), out);
+  write_record(head.record, out);
   for (const Scale& axis : head.scales.axes()) write_scale(axis, out);
   out.write(head.radii.largest());
   out.write(static_cast<std::uint32_t>(head.fields.size()));
@@ -163,10 +164,10 @@ Result<ForestHead> decode_head(std::span<const std::byte> bytes, const std::stri
   LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
   LODE_CHECK(read_box(in, path, head.box.lower, head.box.upper));
   LODE_TRY(head.boundary_deviation, read_deviation(in, path));
-  LODE_TRY(head.boundary_tolerance, read_deviation(in, path));
   LODE_TRY(head.n_coincident_leaves, in.read<std::uint32_t>());
   LODE_TRY(HeadLabels labels, read_labels(in, path));
   take_labels(std::move(labels), head);
+  LODE_TRY(head.record, read_record(in, path));
   std::array<Scale, 3> axes;
   for (Scale& axis : axes) {
     LODE_TRY(axis, read_scale(in, path));

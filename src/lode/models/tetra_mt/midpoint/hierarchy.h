@@ -14,6 +14,7 @@
 #include "lode/core/box.h"
 #include "lode/core/result.h"
 #include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/build_record.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
 #include "lode/models/tetra_mt/midpoint/codes.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapses.h"
@@ -152,9 +153,9 @@ struct ForestHead {
   std::uint32_t n_base_leaves = 0;  ///< Of these the first, which are in the base.
   std::uint32_t n_inner = 0;        ///< Vertices that collapses made.
   std::vector<ForestField> fields;  ///< At least one. The first lies with the nodes.
-  double boundary_deviation = 0;    ///< EdgeCollapses',
-  double boundary_tolerance = 0;    ///< likewise.
-  Box3d box{};                      ///< Of all vertices.
+  double boundary_deviation = 0;    ///< EdgeCollapses'.
+  BuildRecord record;  ///< With the tolerance of the boundary; the rest its builder says.
+  Box3d box{};         ///< Of all vertices.
   std::uint64_t n_cells = 0;
   Scales scales;
   RadiusCodes radii;

@@ -123,7 +123,7 @@ void HierarchyMaker::describe() {
   radii_.resize(n_nodes());
   if (n_ == 0) return;
   made_.boundary_deviation = collapses_.boundary_deviation;
-  made_.boundary_tolerance = collapses_.boundary_tolerance;
+  made_.record.boundary_tolerance = collapses_.boundary_tolerance;
   made_.box = {mesh_.positions[0], mesh_.positions[0]};
   for (const Vec3d& p : mesh_.positions)
     for (std::size_t i = 0; i < 3; ++i) {

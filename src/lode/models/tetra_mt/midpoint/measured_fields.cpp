@@ -44,7 +44,7 @@ Result<std::vector<FieldRecords>> measure_fields(const Forest& forest,
                                                  Progress& progress) {
   const ForestHead& head = forest.head();
   LODE_TRY(const Collapses made, collapses_of(forest, mesh_vertices));
-  const RepeatRules rules{.boundary_tolerance = head.boundary_tolerance,
+  const RepeatRules rules{.boundary_tolerance = head.record.boundary_tolerance,
                           .has_world_errors = head.fields[0].base_world_error.has_value()};
   LODE_TRY(const RepeatedCollapses repeated,
            repeat_collapses(mesh, made.collapses, rules, threads, progress));

@@ -1,0 +1,149 @@
+#include "tetra_record.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace lode::cli {
+namespace {
+
+struct CountName {
+  const char* key;
+  const char* name;
+  std::uint64_t TetraReport::*n;
+  std::uint64_t usual = 0;  ///< Not worth a row.
+};
+
+constexpr std::array<CountName, 17> kCounts{
+    {{"ghost_cells", "ghost cells left out", &TetraReport::n_ghost_cells},
+     {"hidden_cells", "hidden cells left out", &TetraReport::n_hidden_cells},
+     {"lower_cells", "points, lines and faces left out", &TetraReport::n_lower_cells},
+     {"patches", "patches of the boundary", &TetraReport::n_patches},
+     {"patch_faces", "faces of patches", &TetraReport::n_patch_cells},
+     {"inner_faces", "faces of patches inside left out", &TetraReport::n_inner_faces},
+     {"welded_points", "points welded", &TetraReport::n_welded_points},
+     {"weld_refusals", "not welded, as values differ", &TetraReport::n_weld_refusals},
+     {"unused_points", "unused points left out", &TetraReport::n_unused_points},
+     {"coincident_points", "points at another's place", &TetraReport::n_coincident_points},
+     {"new_points", "centres of polyhedra", &TetraReport::n_new_points},
+     {"repeating", "cells with a corner twice left out", &TetraReport::n_repeating},
+     {"zero_volume", "cells without volume", &TetraReport::n_zero_volume},
+     {"left_handed", "left-handed cells turned", &TetraReport::n_left_handed},
+     {"turned_wedges", "wedges turned", &TetraReport::n_turned_wedges},
+     {"inverted", "inverted cells", &TetraReport::n_inverted},
+     {"components", "components", &TetraReport::n_components, 1}}};
+
+constexpr const char* kNotTaken = "not taken for regions";
+constexpr const char* kSkipped = "arrays left out (texts, bits, or as told)";
+constexpr const char* kNonfinite = "values that are not finite";
+constexpr const char* kAveraged = "cells to points";
+
+std::string row_of(const NonfiniteField& field) {
+  return fmt::format("{}: {}, the first at point {} from 0", field.name,
+                     format_count(field.n_values), field.first);
+}
+std::string row_of(const AveragedField& field) {
+  return fmt::format("{}: largest size {} at cells, {} at points", field.name,
+                     format_number(field.cell_peak), format_number(field.point_peak));
+}
+
+void add_nonfinite(const TetraReport& report, Json& json) {
+  json["nonfinite"] = Json::array();
+  std::uint64_t n = 0;
+  for (const NonfiniteField& field : report.nonfinite) {
+    n += field.n_values;
+    json["nonfinite"].push_back(
+        {{"field", field.name}, {"values", field.n_values}, {"first_point", field.first}});
+  }
+  json["nonfinite_values"] = n;
+}
+
+/// What means over cells did to the peaks of their fields.
+void add_averaged(const TetraReport& report, Json& json) {
+  json["averaged"] = Json::array();
+  for (const AveragedField& field : report.averaged)
+    json["averaged"].push_back(
+        {{"field", field.name}, {"cell_peak", field.cell_peak}, {"point_peak", field.point_peak}});
+}
+
+std::vector<TetraBuildRecord::Note> notes_of(const TetraReport& report) {
+  std::vector<TetraBuildRecord::Note> notes;
+  for (const NonfiniteField& field : report.nonfinite)
+    notes.emplace_back(kNonfinite, row_of(field));
+  for (const std::string& field : report.regions_not_taken) notes.emplace_back(kNotTaken, field);
+  if (!report.skipped_arrays.empty())
+    notes.emplace_back(kSkipped, fmt::format("{}", fmt::join(report.skipped_arrays, ", ")));
+  for (const AveragedField& field : report.averaged) notes.emplace_back(kAveraged, row_of(field));
+  return notes;
+}
+
+}  // namespace
+
+void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
+  for (const CountName& count : kCounts) {
+    const std::uint64_t n = report.*count.n;
+    json[count.key] = n;
+    if (n > count.usual) table.add({count.name, format_count(n)});
+  }
+  add_nonfinite(report, json);
+  json["regions_not_taken"] = report.regions_not_taken;
+  json["skipped_arrays"] = report.skipped_arrays;
+  add_averaged(report, json);
+  for (const auto& [name, text] : notes_of(report)) table.add({name, text});
+}
+
+void keep_reading(const TetraReport& report, TetraBuildOptions& options) {
+  for (const CountName& count : kCounts) options.reading.emplace_back(count.key, report.*count.n);
+  options.notes = notes_of(report);
+}
+
+void add_kept_reading(const TetraBuildRecord& record, Table& table, Json& json) {
+  json["reading"] = Json::object();
+  for (const auto& [key, n] : record.reading) {
+    json["reading"][key] = n;
+    const auto* const known = std::ranges::find_if(
+        kCounts, [&](const CountName& count) { return std::string_view(count.key) == key; });
+    const bool is_known = known != kCounts.end();
+    if (n > (is_known ? known->usual : 0))
+      table.add({is_known ? known->name : key, format_count(n)});
+  }
+  json["notes"] = Json::array();
+  for (const auto& [name, text] : record.notes) {
+    json["notes"].push_back({{"about", name}, {"note", text}});
+    table.add({name, text});
+  }
+}
+
+const char* name_of(CollapseOrder order) {
+  switch (order) {
+    case CollapseOrder::space_error: return "space";
+    case CollapseOrder::quadric: return "quadric";
+    case CollapseOrder::squared_error: break;
+  }
+  return "error";
+}
+
+void add_record(const TetraBuildRecord& record, Table& table, Json& json) {
+  json["order"] = name_of(record.order);
+  table.add({"order", name_of(record.order)});
+  json["extrema"] = record.keeps_extrema ? "reference" : "mesh";
+  table.add({"extrema that stay",
+             record.keeps_extrema ? "of the reference" : "of the mesh as it was by then"});
+  json["boundary_tolerance"] = record.boundary_tolerance;
+  if (record.boundary_tolerance > 0)
+    table.add({"boundary tolerance", format_number(record.boundary_tolerance)});
+  json["volume_change"] = record.volume_change;
+  json["base_vertices_kept"] = Json::object();
+  std::string kept;
+  for (const auto& [rule, n_kept] : record.refusals) {
+    json["base_vertices_kept"][rule] = n_kept;
+    kept += fmt::format("{}{} {}", kept.empty() ? "" : ", ", format_count(n_kept),
+                        rule == "limit" ? "that no rule keeps" : rule);
+  }
+  if (!kept.empty()) table.add({"base vertices kept", kept});
+}
+
+}  // namespace lode::cli

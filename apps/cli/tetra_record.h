@@ -1,0 +1,23 @@
+#pragma once
+
+#include "input.h"
+#include "lode/api/tetra_dataset.h"
+#include "text.h"
+
+namespace lode::cli {
+
+// What is said of how a mesh of cells was read and its hierarchy built.
+
+/// What was made of the file's cells, as far as a user may wonder at it.
+void add_cell_counts(const TetraReport& report, Table& table, Json& json);
+/// The same, for the file that is built.
+void keep_reading(const TetraReport& report, TetraBuildOptions& options);
+/// The same, as it was kept.
+void add_kept_reading(const TetraBuildRecord& record, Table& table, Json& json);
+
+/// As --order has it.
+[[nodiscard]] const char* name_of(CollapseOrder order);
+/// Order, extrema, the boundary's tolerance, and what keeps the vertices of the base.
+void add_record(const TetraBuildRecord& record, Table& table, Json& json);
+
+}  // namespace lode::cli
