@@ -381,7 +381,8 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
   TetraReport report = made.report;
-  LODE_TRY(const TetraBuildOptions options, to_build_options(reading, session.threads()));
+  LODE_TRY(TetraBuildOptions options, to_build_options(reading, session.threads()));
+  options.time = report.time;
   auto built = TetraDataset::build(made.mesh, options, session.progress());
   if (!built) {
     if (session.progress().is_cancelled()) return built.error();

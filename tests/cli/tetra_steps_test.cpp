@@ -133,6 +133,15 @@ TEST_F(cli_mesh_fields, have_the_time_that_their_build_was_told) {
     EXPECT_EQ(middle.at("time"), 0.5);
     EXPECT_NE(run_lode({"info", model}).out.find("heat at 0.5"), std::string::npos);
     EXPECT_EQ(done({"info", mesh, "--time", "1"}).at("time"), 0.5);
+    // Answers from memory are of the file's own.
+    const std::string direct = scratch_ / "direct.vtu";
+    EXPECT_EQ(done({"extract", mesh, direct, "--mesh", "--max-error", "0", "--field", "heat",
+                    "--time", "1", "--placement", placement})
+                  .at("time"),
+              0.5);
+    const auto read = read_cell_mesh(direct, {});
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->time, 0.5);
     // It is a step as others are: in order of time, once.
     done({"attach-field", model, mesh, all, "--field", "heat", "--time", "0,2"});
     const double first = middle.at("range")[1].get<double>() / 1.5;
