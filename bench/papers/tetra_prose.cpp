@@ -177,11 +177,12 @@ Result<FileSizes> file_sizes(const TetraData& data, Placement placement) {
   FileSizes sizes{};
   if (written) {
     const auto reader = store::Reader::open(path);
-    sizes = {written->file_bytes, reader ? bare_bytes(*reader) : 0};
+    if (reader) sizes = {written->file_bytes, bare_bytes(*reader)};
   }
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
   if (!written) return written.error();
+  if (sizes.all == 0) return fail("{}: cannot be read again", path);
   return sizes;
 }
 

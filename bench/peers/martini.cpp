@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -46,6 +47,7 @@ std::vector<std::uint32_t> read_numbers(std::ifstream& file, std::size_t n) {
   std::vector<std::uint32_t> numbers(n);
   file.read(reinterpret_cast<char*>(numbers.data()),
             static_cast<std::streamsize>(n * sizeof(std::uint32_t)));
+  if (!file) numbers.clear();
   return numbers;
 }
 
@@ -80,8 +82,10 @@ double error_in(const HeightGrid& grid, const std::array<Place, 3>& corners) {
 double true_error(const HeightGrid& grid, const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::vector<std::uint32_t> counts = read_numbers(file, 2);
+  if (counts.empty()) return std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::uint32_t> places = read_numbers(file, std::size_t{2} * counts[0]);
   const std::vector<std::uint32_t> corners = read_numbers(file, std::size_t{3} * counts[1]);
+  if (places.empty() || corners.empty()) return std::numeric_limits<double>::quiet_NaN();
   double worst = 0;
   for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
     std::array<Place, 3> triangle{};
