@@ -1,6 +1,8 @@
 #include "lode/models/tetra_mt/build_record.h"
 
+#include <algorithm>
 #include <array>
+#include <span>
 #include <string_view>
 
 #include "lode/core/label.h"
@@ -16,18 +18,18 @@ Result<std::string> read_label(store::ByteReader& in, const std::string& path) {
   return label;
 }
 
-/// Of a list whose entries have as many bytes, or more.
-Result<std::uint32_t> read_number_of(store::ByteReader& in, std::size_t fewest_bytes,
+/// Of a list.
+Result<std::uint32_t> read_number_of(store::ByteReader& in, std::uint32_t most,
                                      const std::string& path) {
   LODE_TRY(const auto n, in.read<std::uint32_t>());
-  if (n > in.n_left() / fewest_bytes)
-    return fail("{}: metadata: expected {} records in {} bytes, got fewer", path, n, in.n_left());
+  if (n > most) return fail("{}: metadata: expected up to {} records, got {}", path, most, n);
   return n;
 }
 
 void write_counts(const std::vector<BuildRecord::Count>& counts, store::ByteWriter& out) {
-  out.write(static_cast<std::uint32_t>(counts.size()));
-  for (const auto& [name, n] : counts) {
+  const std::size_t n_written = std::min<std::size_t>(counts.size(), BuildRecord::kMaxCounts);
+  out.write(static_cast<std::uint32_t>(n_written));
+  for (const auto& [name, n] : std::span(counts).first(n_written)) {
     out.write_string(to_label(name));
     out.write(n);
   }
@@ -35,7 +37,7 @@ void write_counts(const std::vector<BuildRecord::Count>& counts, store::ByteWrit
 
 Result<std::vector<BuildRecord::Count>> read_counts(store::ByteReader& in,
                                                     const std::string& path) {
-  LODE_TRY(const auto n, read_number_of(in, sizeof(std::uint32_t) + sizeof(std::uint64_t), path));
+  LODE_TRY(const auto n, read_number_of(in, BuildRecord::kMaxCounts, path));
   std::vector<BuildRecord::Count> counts;
   for (std::uint32_t i = 0; i < n; ++i) {
     LODE_TRY(std::string name, read_label(in, path));
@@ -64,8 +66,9 @@ void write_record(const BuildRecord& record, store::ByteWriter& out) {
   out.write(record.volume_change);
   write_counts(record.refusals, out);
   write_counts(record.reading, out);
-  out.write(static_cast<std::uint32_t>(record.notes.size()));
-  for (const auto& [name, text] : record.notes) {
+  const std::size_t n_notes = std::min<std::size_t>(record.notes.size(), BuildRecord::kMaxNotes);
+  out.write(static_cast<std::uint32_t>(n_notes));
+  for (const auto& [name, text] : std::span(record.notes).first(n_notes)) {
     out.write_string(to_label(name));
     out.write_string(to_label(text));
   }
@@ -84,7 +87,7 @@ Result<BuildRecord> read_record(store::ByteReader& in, const std::string& path) 
   LODE_TRY(record.volume_change, in.read<double>());
   LODE_TRY(record.refusals, read_counts(in, path));
   LODE_TRY(record.reading, read_counts(in, path));
-  LODE_TRY(const auto n_notes, read_number_of(in, 2 * sizeof(std::uint32_t), path));
+  LODE_TRY(const auto n_notes, read_number_of(in, BuildRecord::kMaxNotes, path));
   for (std::uint32_t i = 0; i < n_notes; ++i) {
     LODE_TRY(std::string name, read_label(in, path));
     LODE_TRY(std::string text, read_label(in, path));

@@ -17,6 +17,8 @@ namespace lode::tetra_mt {
 struct BuildRecord {
   using Count = std::pair<std::string, std::uint64_t>;
   using Note = std::pair<std::string, std::string>;
+  static constexpr std::uint32_t kMaxCounts = 256;
+  static constexpr std::uint32_t kMaxNotes = 1U << 14;
 
   CollapseOrder order = CollapseOrder::squared_error;
   bool keeps_extrema = false;     ///< Those of the reference.
@@ -35,7 +37,8 @@ struct BuildRecord {
 /// By "non-manifold", "extremum", ..., those above 0.
 [[nodiscard]] std::vector<BuildRecord::Count> named(const RefusalCounts& counts);
 
-/// Of metadata, docs/format.md, section 7. A name or text that is no label becomes one.
+/// Of metadata, docs/format.md, section 7. A name or text that is no label becomes one,
+/// and what is more than a file may have is left out.
 void write_record(const BuildRecord& record, store::ByteWriter& out);
 [[nodiscard]] Result<BuildRecord> read_record(store::ByteReader& in, const std::string& path);
 
