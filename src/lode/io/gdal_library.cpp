@@ -28,6 +28,7 @@ void find_rasters(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.register_all, "GDALAllRegister");
   finder.find(gdal.open, "GDALOpenEx");
   finder.find(gdal.close, "GDALClose");
+  finder.find(gdal.identify, "GDALIdentifyDriverEx");
   finder.find(gdal.n_columns, "GDALGetRasterXSize");
   finder.find(gdal.n_rows, "GDALGetRasterYSize");
   finder.find(gdal.n_bands, "GDALGetRasterCount");

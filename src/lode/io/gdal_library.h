@@ -18,6 +18,7 @@ struct GdalLibrary {
   decltype(&GDALAllRegister) register_all = nullptr;
   decltype(&GDALOpenEx) open = nullptr;
   decltype(&GDALClose) close = nullptr;
+  decltype(&GDALIdentifyDriverEx) identify = nullptr;
   decltype(&GDALGetRasterXSize) n_columns = nullptr;
   decltype(&GDALGetRasterYSize) n_rows = nullptr;
   decltype(&GDALGetRasterCount) n_bands = nullptr;

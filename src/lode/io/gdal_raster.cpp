@@ -1,5 +1,8 @@
 #include "lode/io/gdal_raster.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -18,6 +21,15 @@ namespace lode::io {
 namespace {
 
 constexpr const char* kOpenFiles = "GDAL_MAX_DATASET_POOL_SIZE";
+
+/// A row of a mosaic may be in hundreds of files, which should stay open until the next one.
+std::uint64_t most_open_files() {
+  constexpr std::uint64_t kFew = 8;
+  constexpr std::uint64_t kMany = 450;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return kFew;
+  return std::clamp<std::uint64_t>(limit.rlim_cur / 2, kFew, kMany);
+}
 
 /// GDAL's word for a GeoTIFF that says whether samples are points and nothing of a CRS.
 bool is_empty_crs(std::string_view wkt) {
@@ -46,21 +58,30 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   const std::string type_option = "DATATYPE=" + type;
   const std::array<const char*, 2> open_options{type.empty() ? nullptr : type_option.c_str(),
                                                 nullptr};
-  constexpr std::array<const char*, 2> kVirtual{"VRT", nullptr};
-  const bool is_virtual = is_virtual_raster(path);
-  if (is_virtual) {
-    LODE_TRY(const std::uint64_t n_bytes, check_virtual_sources(path, *gdal));
-    raster.n_file_bytes_ += n_bytes;
-    // A row of a mosaic may be in hundreds of files, which should stay open until the next one.
-    gdal->set_option(kOpenFiles, "450");
-    gdal->reset_errors();
+  if (is_virtual_raster(path)) {
+    LODE_CHECK(raster.open_virtual());
+    return raster;
   }
   raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY,
-                               is_virtual ? kVirtual.data() : raster_drivers().data(),
-                               open_options.data(), nullptr);
+                               raster_drivers().data(), open_options.data(), nullptr);
   if (raster.dataset_ == nullptr)
     return fail("{}: expected {}, got: {}", path, kRasterFormats, raster.reason());
   return raster;
+}
+
+Result<void> GdalRaster::open_virtual() {
+  constexpr std::array<const char*, 2> kVirtual{"VRT", nullptr};
+  LODE_TRY(CheckedVirtualRaster checked, check_virtual_raster(path_, *gdal_));
+  is_virtual_ = true;
+  n_file_bytes_ += checked.n_bytes;
+  band_faults_ = std::move(checked.faults);
+  n_part_block_rows_ = checked.n_block_rows;
+  gdal_->set_option(kOpenFiles, fmt::format("{}", most_open_files()).c_str());
+  gdal_->reset_errors();
+  dataset_ = gdal_->open(checked.text.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kVirtual.data(),
+                         nullptr, nullptr);
+  if (dataset_ != nullptr) return {};
+  return fail("{}: expected a VRT of heights, got: {}", path_, reason());
 }
 
 GdalRaster::~GdalRaster() {
@@ -87,6 +108,10 @@ Result<GDALRasterBandH> GdalRaster::band(int number) const {
     return fail("{}: expected a band from 1 to {}, got {}", path_, n_bands(), number);
   GDALRasterBandH found = gdal_->band(dataset_, number);
   if (found == nullptr) return fail("{}: expected band {}, got: {}", path_, number, reason());
+  const bool has_mask = (gdal_->mask_flags(found) & (GMF_PER_DATASET | GMF_ALPHA)) != 0;
+  const auto place = static_cast<std::size_t>(number) - 1;
+  if (!has_mask && place < band_faults_.size() && !band_faults_[place].empty())
+    return fail("{}: {}", path_, band_faults_[place]);
   return found;
 }
 

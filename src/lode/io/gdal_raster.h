@@ -30,6 +30,9 @@ class GdalRaster {
         source_(std::exchange(other.source_, nullptr)),
         rim_(std::move(other.rim_)),
         stated_crs_(std::move(other.stated_crs_)),
+        is_virtual_(other.is_virtual_),
+        band_faults_(std::move(other.band_faults_)),
+        n_part_block_rows_(other.n_part_block_rows_),
         n_file_bytes_(other.n_file_bytes_) {}
   GdalRaster& operator=(GdalRaster&&) = delete;
   ~GdalRaster();
@@ -38,7 +41,12 @@ class GdalRaster {
   [[nodiscard]] const GdalLibrary& gdal() const { return *gdal_; }
   [[nodiscard]] int n_bands() const { return gdal_->n_bands(dataset_); }
   [[nodiscard]] std::string format() const;
-  /// Fails where there is no such band, counted from 1.
+  /// Whether it is put together from other files,
+  [[nodiscard]] bool is_virtual() const { return is_virtual_; }
+  /// whose tallest block has so many rows; 1 otherwise.
+  [[nodiscard]] std::int32_t n_part_block_rows() const { return n_part_block_rows_; }
+  /// Fails where there is no such band, counted from 1, or where samples of one that is put
+  /// together from files are no heights.
   [[nodiscard]] Result<GDALRasterBandH> band(int number) const;
   /// The file's own, which says what numbers stand for also where band() is of degrees.
   [[nodiscard]] GDALRasterBandH band_of_file(int number) const {
@@ -77,6 +85,8 @@ class GdalRaster {
   /// What warping the source to a virtual raster makes of it.
   [[nodiscard]] Result<void> warp_source(std::vector<std::string> words);
   [[nodiscard]] Result<void> check_size_in_degrees(const HeightReadOptions& options) const;
+  /// Opens what check_virtual_raster() makes of it.
+  [[nodiscard]] Result<void> open_virtual();
   /// The places of its samples.
   [[nodiscard]] Result<HeightFrame> frame_in_degrees() const;
 
@@ -86,6 +96,9 @@ class GdalRaster {
   GDALDatasetH source_ = nullptr;  ///< What was put in degrees.
   std::vector<RimHeight> rim_;
   std::string stated_crs_;  ///< Of a file that has none.
+  bool is_virtual_ = false;
+  std::vector<std::string> band_faults_{};  ///< CheckedVirtualRaster's.
+  std::int32_t n_part_block_rows_ = 1;
   std::uint64_t n_file_bytes_;
 };
 

@@ -293,7 +293,8 @@ Result<HeightRaster> describe_plain(const GdalRaster& raster, const HeightReadOp
   const GDALDataType type = gdal.type(band);
   LODE_CHECK(check_type(raster, type));
   if (options.to_degrees) LODE_CHECK(check_resampled(raster, options.band));
-  if (raster.n_bands() >= 3 && type == GDT_Byte && raster.format() == "PNG")
+  if (raster.n_bands() >= 3 && type == GDT_Byte &&
+      (raster.format() == "PNG" || raster.is_virtual()))
     return fail(
         "{}: expected to know what the colours of a picture stand for, terrain-rgb or terrarium, "
         "got no --encoding",

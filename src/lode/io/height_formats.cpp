@@ -18,9 +18,9 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::array<const char*, 15> kDrivers{
-    "GTiff", "AAIGrid",     "PNG",  "USGSDEM", "EHdr",  "ENVI", "DTED", "HFA",
-    "SAGA",  "JP2OpenJPEG", "GSAG", "GSBG",    "GS7BG", "BT",   nullptr};
+constexpr std::array<const char*, 16> kDrivers{
+    "SRTMHGT", "GTiff", "AAIGrid",     "PNG",  "USGSDEM", "EHdr",  "ENVI", "DTED",
+    "HFA",     "SAGA",  "JP2OpenJPEG", "GSAG", "GSBG",    "GS7BG", "BT",   nullptr};
 
 /// The first bytes; fewer of a shorter file, none of what cannot be read.
 std::string head_of(const std::string& path, std::size_t n) {
@@ -79,7 +79,8 @@ bool ends_with_any(const std::string& name, const std::array<const char*, N>& ex
 
 }  // namespace
 
-std::span<const char* const> raster_drivers() { return kDrivers; }
+std::span<const char* const> raster_drivers() { return std::span(kDrivers).subspan(1); }
+std::span<const char* const> part_drivers() { return kDrivers; }
 
 Result<void> check_raster_kind(const std::string& path) {
   // Its driver in GDAL 3.6 crashed on 3 of 70 damaged files.

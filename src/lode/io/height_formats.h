@@ -9,8 +9,10 @@ namespace lode::io {
 
 /// GDAL's drivers that are asked, and a null: those that read one file, or it and
 /// sidecars of its name and kind, whatever it is called and says; neither others nor the network.
-/// VRT, which reads others, is asked where these have been looked at: check_virtual_sources().
+/// VRT, which reads others, is asked where these have been looked at: check_virtual_raster().
 [[nodiscard]] std::span<const char* const> raster_drivers();
+/// Of parts of a VRT: those, and SRTM's .hgt, which is read without GDAL otherwise.
+[[nodiscard]] std::span<const char* const> part_drivers();
 
 /// Those, in words.
 inline constexpr const char* kRasterFormats =

@@ -21,7 +21,8 @@ void limit_cache(const GdalRaster& file, GDALRasterBandH band) {
   int block_columns = 0;
   int block_rows = 0;
   file.gdal().block_size(band, &block_columns, &block_rows);
-  const std::int64_t row_of_blocks = kSample * file.n_columns() * block_rows;
+  const std::int64_t n_rows = std::max(block_rows, file.n_part_block_rows());
+  const std::int64_t row_of_blocks = kSample * file.n_columns() * n_rows;
   file.gdal().set_cache(std::max(kLeast, 2 * row_of_blocks));
 }
 

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "lode/io/covered_area.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -18,31 +19,70 @@ namespace {
 constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;
 constexpr const char* kRoot = "VRTDataset";
 
-/// Rasters of floats may have no number for missing ones.
-std::optional<double> nodata_of(std::string_view text) {
+/// What elements of a band and a source mean here; others are left out.
+constexpr std::array<std::string_view, 3> kSources{"SimpleSource", "ComplexSource",
+                                                   "AveragedSource"};
+constexpr std::array<const char*, 9> kRefused{
+    "LUT",    "Exponent", "SrcMin",      "SrcMax",
+    "DstMin", "DstMax",   "OpenOptions", "ColorTableComponent",
+    "Kernel"};
+
+std::string text_of(const pugi::xml_node& node) { return std::string(trimmed(node.text().get())); }
+
+/// "nan" stands for what is no number.
+std::optional<double> number_of(std::string_view text) {
   if (to_lower(text) == "nan") return std::numeric_limits<double>::quiet_NaN();
   return to_double(text);
+}
+
+/// Whether a number is one of GDAL's type, of reals.
+bool is_of_type(double number, std::string_view type) {
+  struct Whole {
+    std::string_view type;
+    double low;
+    double high;
+  };
+  constexpr std::array<Whole, 8> kWhole{{{"Byte", 0, 255},
+                                         {"Int8", -128, 127},
+                                         {"UInt16", 0, 65535},
+                                         {"Int16", -32768, 32767},
+                                         {"UInt32", 0, 4294967295.0},
+                                         {"Int32", -2147483648.0, 2147483647.0},
+                                         {"UInt64", 0, 0x1p63},
+                                         {"Int64", -0x1p63, 0x1p62}}};
+  const auto* const whole = std::ranges::find(kWhole, type, &Whole::type);
+  if (whole == kWhole.end()) return true;
+  return number == std::floor(number) && number >= whole->low && number <= whole->high;
 }
 
 /// What is read of a file, with its name for messages.
 class VirtualReader {
  public:
-  VirtualReader(const std::string& path, VirtualRaster& raster) : path_(path), raster_(raster) {}
+  VirtualReader(const std::string& path, std::string directory, VirtualRaster& raster)
+      : path_(path), directory_(std::move(directory)), raster_(raster) {}
 
   Result<void> run(const pugi::xml_node& root);
 
  private:
-  Result<void> add_band(const pugi::xml_node& node);
+  Result<VirtualBand> band_of(const pugi::xml_node& node) const;
   Result<VirtualSource> source_of(const pugi::xml_node& node) const;
+  Result<void> add_file(const pugi::xml_node& node, VirtualSource& source) const;
   Result<std::optional<VirtualPart>> part_of(const pugi::xml_node& node) const;
+  Result<double> number_at(const pugi::xml_node& node, const char* name, double otherwise) const;
   [[nodiscard]] Result<void> check_class(const pugi::xml_node& node, std::string_view usual) const;
 
   const std::string& path_;
+  std::string directory_;
   VirtualRaster& raster_;
 };
 
+/// GDAL takes names in any case, and attributes as elements, too.
 Result<void> VirtualReader::check_class(const pugi::xml_node& node, std::string_view usual) const {
-  const std::string_view kind = node.attribute("subClass").value();
+  std::string kind;
+  for (const pugi::xml_attribute& attribute : node.attributes())
+    if (to_lower(attribute.name()) == "subclass") kind = attribute.value();
+  for (const pugi::xml_node& child : node.children())
+    if (to_lower(child.name()) == "subclass") kind = text_of(child);
   if (kind.empty() || kind == usual) return {};
   return fail(
       "{}: expected a VRT whose bands are put together from files, got a {}: "
@@ -63,30 +103,54 @@ Result<void> VirtualReader::run(const pugi::xml_node& root) {
     return fail("{}: expected a rasterXSize and rasterYSize above 0, got {} and {}", path_,
                 quoted(root.attribute("rasterXSize").value()),
                 quoted(root.attribute("rasterYSize").value()));
-  for (const pugi::xml_node& node : root.children("VRTRasterBand")) LODE_CHECK(add_band(node));
-  if (const pugi::xml_node mask = root.child("MaskBand")) {
-    raster_.has_mask = true;
-    for (const pugi::xml_node& node : mask.children("VRTRasterBand")) {
-      LODE_CHECK(add_band(node));
-      raster_.bands.back().is_opacity = true;
-    }
+  raster_.crs = text_of(root.child("SRS"));
+  raster_.axes = root.child("SRS").attribute("dataAxisToSRSAxisMapping").value();
+  raster_.geotransform = text_of(root.child("GeoTransform"));
+  for (const pugi::xml_node& metadata : root.children("Metadata"))
+    for (const pugi::xml_node& item : metadata.children("MDI"))
+      if (std::string_view(item.attribute("key").value()) == "AREA_OR_POINT")
+        raster_.is_of_points = text_of(item) == "Point";
+  for (const pugi::xml_node& node : root.children("VRTRasterBand")) {
+    LODE_TRY(VirtualBand band, band_of(node));
+    raster_.bands.push_back(std::move(band));
+  }
+  if (const pugi::xml_node mask = root.child("MaskBand").child("VRTRasterBand")) {
+    LODE_TRY(raster_.mask, band_of(mask));
   }
   return {};
 }
 
-Result<void> VirtualReader::add_band(const pugi::xml_node& node) {
+Result<double> VirtualReader::number_at(const pugi::xml_node& node, const char* name,
+                                        double otherwise) const {
+  const pugi::xml_node child = node.child(name);
+  if (!child) return otherwise;
+  const auto number = to_double(text_of(child));
+  if (number && std::isfinite(*number)) return *number;
+  return fail("{}: expected a number for {}, got {}", path_, name, quoted(text_of(child)));
+}
+
+Result<VirtualBand> VirtualReader::band_of(const pugi::xml_node& node) const {
   LODE_CHECK(check_class(node, "VRTSourcedRasterBand"));
   VirtualBand band;
-  band.number = node.attribute("band").as_int(static_cast<int>(raster_.bands.size()) + 1);
-  band.is_opacity = std::string_view(node.child("ColorInterp").text().get()) == "Alpha";
-  raster_.has_mask = raster_.has_mask || band.is_opacity;
+  band.type = node.attribute("dataType").as_string("Byte");
+  band.is_opacity = text_of(node.child("ColorInterp")) == "Alpha";
+  band.unit = text_of(node.child("UnitType"));
+  LODE_TRY(band.scale, number_at(node, "Scale", 1));
+  LODE_TRY(band.offset, number_at(node, "Offset", 0));
+  if (const pugi::xml_node nodata = node.child("NoDataValue");
+      nodata && !node.child("HideNoDataValue").text().as_bool()) {
+    band.nodata = number_of(text_of(nodata));
+    if (!band.nodata)
+      return fail("{}: expected a number for NoDataValue, got {}", path_, quoted(text_of(nodata)));
+    band.has_odd_nodata = !is_of_type(*band.nodata, band.type);
+    if (band.has_odd_nodata) band.nodata.reset();
+  }
   for (const pugi::xml_node& child : node.children()) {
     const std::string_view name = child.name();
-    if (name == "NoDataValue" && !node.child("HideNoDataValue").text().as_bool())
-      band.nodata = nodata_of(trimmed(child.text().get()));
-    if (name == "MaskBand") raster_.has_mask = true;
-    if (!name.ends_with("Source")) continue;
-    if (name != "SimpleSource" && name != "ComplexSource" && name != "AveragedSource")
+    if (to_lower(name) == "maskband")
+      return fail("{}: expected a mask of all bands, got one of a band", path_);
+    if (!to_lower(name).ends_with("source")) continue;
+    if (std::ranges::find(kSources, name) == kSources.end())
       return fail(
           "{}: expected bands of parts of files, got a {}: gdal_translate makes a GeoTIFF "
           "of it",
@@ -94,24 +158,47 @@ Result<void> VirtualReader::add_band(const pugi::xml_node& node) {
     LODE_TRY(VirtualSource source, source_of(child));
     band.sources.push_back(std::move(source));
   }
-  raster_.bands.push_back(std::move(band));
-  return {};
+  return band;
 }
 
 Result<VirtualSource> VirtualReader::source_of(const pugi::xml_node& node) const {
   VirtualSource source;
-  const pugi::xml_node file = node.child("SourceFilename");
-  const std::string name = file.text().get();
-  if (name.empty() || name.starts_with("/vsi") || name.starts_with("<"))
-    return fail("{}: expected parts of files, got {}", path_, quoted(name));
-  const bool is_beside = file.attribute("relativeToVRT").as_int() != 0;
-  source.path = is_beside ? (std::filesystem::path(path_).parent_path() / name).string() : name;
-  const std::string_view band = node.child("SourceBand").text().get();
-  source.band = band.starts_with("mask") ? 0 : node.child("SourceBand").text().as_int(1);
-  source.is_copied = !node.child("NODATA") && !node.child("UseMaskBand").text().as_bool();
+  LODE_CHECK(add_file(node, source));
+  for (const char* const name : kRefused)
+    if (node.child(name))
+      return fail(
+          "{}: expected the heights of {} as they are, or scaled, got {}: gdal_translate "
+          "makes a GeoTIFF of it",
+          path_, quoted(source.path), name);
+  source.resampling = node.attribute("resampling").value();
+  source.uses_mask = node.child("UseMaskBand").text().as_bool();
+  if (const pugi::xml_node nodata = node.child("NODATA")) {
+    source.nodata = number_of(text_of(nodata));
+    if (!source.nodata)
+      return fail("{}: expected a number for NODATA, got {}", path_, quoted(text_of(nodata)));
+  }
+  LODE_TRY(source.scale, number_at(node, "ScaleRatio", 1));
+  LODE_TRY(source.offset, number_at(node, "ScaleOffset", 0));
   LODE_TRY(source.from, part_of(node.child("SrcRect")));
   LODE_TRY(source.part, part_of(node.child("DstRect")));
   return source;
+}
+
+Result<void> VirtualReader::add_file(const pugi::xml_node& node, VirtualSource& source) const {
+  const pugi::xml_node file = node.child("SourceFilename");
+  const std::string name = text_of(file);
+  if (name.empty() || name.starts_with("/vsi") || name.starts_with("<"))
+    return fail("{}: expected parts of files, got {}", path_, quoted(name));
+  const bool is_beside = file.attribute("relativeToVRT").as_int() != 0;
+  source.path = is_beside ? (std::filesystem::path(directory_) / name).string() : name;
+  std::string band = text_of(node.child("SourceBand"));
+  source.is_of_mask = band.starts_with("mask");
+  if (source.is_of_mask) band.erase(0, band.starts_with("mask,") ? 5 : 4);
+  const auto number = band.empty() ? std::optional<std::int64_t>(1) : to_int64(band);
+  if (!number || *number < 1 || *number > std::numeric_limits<int>::max())
+    return fail("{}: expected a SourceBand from 1, got {}", path_, quoted(band));
+  source.band = static_cast<int>(*number);
+  return {};
 }
 
 Result<std::optional<VirtualPart>> VirtualReader::part_of(const pugi::xml_node& node) const {
@@ -125,87 +212,9 @@ Result<std::optional<VirtualPart>> VirtualReader::part_of(const pugi::xml_node& 
                   quoted(node.attribute(kNames[i]).value()));
     numbers[i] = *number;
   }
+  if (numbers == std::array<double, 4>{-1, -1, -1, -1}) return std::optional<VirtualPart>();
   return std::optional(
       VirtualPart{numbers[0], numbers[1], numbers[0] + numbers[2], numbers[1] + numbers[3]});
-}
-
-/// How much of a line is covered by intervals that come and go, between given places.
-class CoveredLine {
- public:
-  explicit CoveredLine(std::vector<double> places) : places_(std::move(places)) {
-    std::ranges::sort(places_);
-    places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
-    nodes_.resize(4 * places_.size());
-  }
-  /// `by`: 1 or -1; both ends are places.
-  void add(double from, double to, int by) {
-    if (from < to) add({1, 0, places_.size() - 1}, place_of(from), place_of(to), by);
-  }
-  [[nodiscard]] double length() const { return nodes_[1].length; }
-
- private:
-  struct Node {
-    int n = 0;  ///< Intervals that cover all of it.
-    double length = 0;
-  };
-  struct Range {
-    std::size_t node;
-    std::size_t first;
-    std::size_t last;
-  };
-  [[nodiscard]] std::size_t place_of(double at) const {
-    return static_cast<std::size_t>(std::ranges::lower_bound(places_, at) - places_.begin());
-  }
-  void add(const Range& range, std::size_t from, std::size_t to, int by) {
-    if (to <= range.first || range.last <= from) return;
-    Node& node = nodes_[range.node];
-    const bool is_leaf = range.last - range.first == 1;
-    if (from <= range.first && range.last <= to) {
-      node.n += by;
-    } else {
-      const std::size_t middle = (range.first + range.last) / 2;
-      add({2 * range.node, range.first, middle}, from, to, by);
-      add({2 * range.node + 1, middle, range.last}, from, to, by);
-    }
-    if (node.n > 0)
-      node.length = places_[range.last] - places_[range.first];
-    else
-      node.length = is_leaf ? 0 : nodes_[2 * range.node].length + nodes_[2 * range.node + 1].length;
-  }
-
-  std::vector<double> places_;
-  std::vector<Node> nodes_;
-};
-
-/// The area of what rectangles cover, of a line that sweeps over them.
-double covered_area(const std::vector<VirtualPart>& parts) {
-  struct Event {
-    double y;
-    double left;
-    double right;
-    int by;
-  };
-  std::vector<Event> events;
-  std::vector<double> places;
-  events.reserve(2 * parts.size());
-  places.reserve(2 * parts.size());
-  for (const VirtualPart& part : parts) {
-    events.push_back({part.top, part.left, part.right, 1});
-    events.push_back({part.bottom, part.left, part.right, -1});
-    places.push_back(part.left);
-    places.push_back(part.right);
-  }
-  if (events.empty()) return 0;
-  std::ranges::sort(events, {}, &Event::y);
-  CoveredLine line(std::move(places));
-  double area = 0;
-  double last = events.front().y;
-  for (const Event& event : events) {
-    area += line.length() * (event.y - last);
-    last = event.y;
-    line.add(event.left, event.right, event.by);
-  }
-  return area;
 }
 
 }  // namespace
@@ -234,23 +243,29 @@ Result<VirtualRaster> read_virtual_raster(const std::string& path) {
     return fail("{}: expected a VRT, of XML with a {}, got: {}, at byte {}", path, kRoot,
                 parsed ? "none" : parsed.description(), parsed.offset);
   VirtualRaster raster;
-  LODE_CHECK(VirtualReader(path, raster).run(root));
+  // Names are beside the file itself, where the path is a link to it.
+  std::error_code ignored;
+  const std::filesystem::path real = std::filesystem::canonical(path, ignored);
+  const std::filesystem::path place = ignored ? std::filesystem::path(path) : real;
+  LODE_CHECK(VirtualReader(path, place.parent_path().string(), raster).run(root));
   if (raster.bands.empty()) return fail("{}: expected a VRT with bands, got none", path);
   return raster;
 }
 
-double uncovered_samples(const VirtualRaster& raster, const VirtualBand& band) {
+std::uint64_t uncovered_samples(const VirtualRaster& raster, const VirtualBand& band) {
+  constexpr double kRounding = 1e-3;
   const double columns = raster.n_columns;
   const double rows = raster.n_rows;
-  std::vector<VirtualPart> parts;
+  std::vector<Rectangle> parts;
   for (const VirtualSource& source : band.sources) {
     if (!source.part) return 0;
-    const VirtualPart part{
-        std::clamp(source.part->left, 0.0, columns), std::clamp(source.part->top, 0.0, rows),
-        std::clamp(source.part->right, 0.0, columns), std::clamp(source.part->bottom, 0.0, rows)};
+    const Rectangle part{std::clamp(std::floor(source.part->left + kRounding), 0.0, columns),
+                         std::clamp(std::floor(source.part->top + kRounding), 0.0, rows),
+                         std::clamp(std::ceil(source.part->right - kRounding), 0.0, columns),
+                         std::clamp(std::ceil(source.part->bottom - kRounding), 0.0, rows)};
     if (part.left < part.right && part.top < part.bottom) parts.push_back(part);
   }
-  return std::floor(columns * rows - covered_area(parts) + 0.5);
+  return static_cast<std::uint64_t>(columns * rows - covered_area(parts));
 }
 
 }  // namespace lode::io
