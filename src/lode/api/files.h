@@ -8,6 +8,8 @@
 #include "lode/api/file_build.h"
 #include "lode/api/file_check.h"
 #include "lode/api/isovalue_files.h"
+#include "lode/api/mapped_lines.h"
+#include "lode/api/mapped_terrain.h"
 #include "lode/api/mesh_picture.h"
 #include "lode/api/opened_terrain.h"
 #include "lode/api/terrain.h"
@@ -20,6 +22,7 @@
 #include "lode/api/tetra_dataset.h"
 #include "lode/api/tile_verification.h"
 #include "lode/core/vertical_unit.h"
+#include "lode/io/crs_map.h"
 #include "lode/io/crs_metric.h"
 #include "lode/io/height_reader.h"
 #include "lode/io/mesh_file.h"
@@ -47,6 +50,7 @@ using io::can_hold_places;
 using io::can_hold_values;
 using io::check_mesh_path;
 using io::check_surface_path;
+using io::check_target_crs;
 using io::check_vector_path;
 using io::ColumnType;
 using io::ComponentChoice;
@@ -67,6 +71,7 @@ using io::MeshReadOptions;
 using io::MeshWriteOptions;
 using io::Network;
 using io::NonfiniteField;
+using io::open_target_crs;
 using io::open_volume;
 using io::PointCounts;
 using io::PointReadOptions;
@@ -80,6 +85,7 @@ using io::read_metric;
 using io::ReadOptions;
 using io::Resampling;
 using io::SurfaceWriteOptions;
+using io::TargetCrs;
 using io::TetrahedraOutcome;
 using io::TetraOptions;
 using io::TetraReport;

@@ -328,6 +328,20 @@ TerrainFacts facts_of(const io::HeightRaster& raster) {
           .vertical = raster.vertical};
 }
 
+std::optional<MeasuredSamples> measured_samples(const OpenedTerrain& opened) {
+  if (opened.samples) return MeasuredSamples(opened.samples);
+  if (!opened.points) return {};
+  const PointTerrain& terrain = *opened.points;
+  auto kept = std::make_shared<NodeHeights>();
+  kept->frame = terrain.points;
+  for (std::size_t i = 0; i < terrain.points.nodes.size(); ++i) {
+    if (terrain.domain.triangle_of[i] == delaunay::kNoHalfEdge) continue;
+    kept->nodes.push_back(terrain.points.nodes[i]);
+    kept->heights.push_back(terrain.points.heights[i]);
+  }
+  return MeasuredSamples(std::shared_ptr<const NodeHeights>(std::move(kept)));
+}
+
 bool holds_terrain_model(const std::string& path) {
   return is_lode_path(path) && BuiltTerrain::is_model_of(path);
 }

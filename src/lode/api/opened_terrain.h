@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lode/api/built_terrain.h"
+#include "lode/api/mapped_errors.h"
 #include "lode/api/point_terrain.h"
 #include "lode/api/terrain_lines.h"
 #include "lode/api/terrain_source.h"
@@ -96,6 +97,10 @@ struct OpenedTerrain {
   bool is_closed = false;                    ///< It goes round the earth without a gap.
   std::optional<TerrainLineReport> lines{};  ///< Where there are some.
 };
+
+/// All samples or points of its domain, to be measured in another CRS (mapped_errors.h); nothing:
+/// they are not at hand.
+[[nodiscard]] std::optional<MeasuredSamples> measured_samples(const OpenedTerrain& opened);
 
 /// Whether a path is read as terrain: it is a raster of heights or of scattered points by its name,
 /// or a .lode file of a model of terrain.

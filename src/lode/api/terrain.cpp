@@ -79,9 +79,6 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
 
 }  // namespace
 
-namespace {
-
-/// Leaves what meets a box. Fails where nothing does.
 Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
                                   SelectedTerrain& selected) {
   delaunay::Tin& tin = selected.tin;
@@ -96,8 +93,6 @@ Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
       "{}, which meets none of {} triangles",
       box.lower[0], box.upper[0], box.lower[1], box.upper[1], clip.n_triangles);
 }
-
-}  // namespace
 
 Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOptions& options,
                                        Progress& progress,

@@ -26,6 +26,10 @@ struct SelectedTerrain {
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);
 
+/// Leaves of a TIN what meets a box. Fails where nothing does.
+[[nodiscard]] Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
+                                                SelectedTerrain& selected);
+
 /// As verify_terrain(), of a TIN of points, with heights, before it is rounded to floats.
 [[nodiscard]] Result<VerifyReport> verify_point_tin(const PointTerrain& terrain,
                                                     const delaunay::Tin& tin,

@@ -20,6 +20,8 @@ namespace {
 /// Where coordinates are angles pieces are cut until height is linear in distance, too: in 0.001
 /// degrees the two differ by less than 0.3 mm of the way below latitudes of 45 degrees.
 constexpr double kLongestAngle = 0.001 * std::numbers::pi / 180;
+/// The same where distances are measured in another CRS, in metres.
+constexpr double kLongestWay = 100;
 
 /// The way from the observer to the target, in metres, and the places of its points.
 class SightWay {
@@ -41,6 +43,7 @@ class SightWay {
       add(here.t, here.height, here.error, here.rounding, is_gap);
       points_.back().is_step = here.is_step;
       if (i + 1 < profile.size() && !is_gap && !here.is_step) cut(here, profile[i + 1]);
+      if (!std::isfinite(distance_)) return TerrainTin::Impl::not_measured(last_);
     }
     return {};
   }
@@ -62,10 +65,16 @@ class SightWay {
                        rounding * vertical_, is_gap});
     places_.push_back(at);
   }
+  /// In how many pieces distances are as good as linear.
+  [[nodiscard]] double n_pieces(const Place& way) const {
+    const HorizontalMetric& metric = tin_.metric;
+    if (!metric.ellipsoid && !metric.map) return 1;
+    const double longer = std::max(std::abs(way[0]), std::abs(way[1]));
+    return std::ceil(metric.ellipsoid ? longer * metric.angle_unit / kLongestAngle
+                                      : longer * metric.length_unit / kLongestWay);
+  }
   void cut(const ProfilePoint& from, const ProfilePoint& to) {
-    if (!tin_.metric.ellipsoid) return;
-    const Place way = (options_.to - options_.from) * (tin_.metric.angle_unit * (to.t - from.t));
-    const double n = std::ceil(std::max(std::abs(way[0]), std::abs(way[1])) / kLongestAngle);
+    const double n = n_pieces((options_.to - options_.from) * (to.t - from.t));
     const double rounding = std::max(from.rounding, to.rounding) +
                             0x1p-50 * std::max(std::abs(from.height), std::abs(to.height));
     for (double k = 1; k < n; ++k)
@@ -95,7 +104,8 @@ Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const
                                              : metres_of_unit(impl_->frame.vertical_unit);
   sight.is_vertical_unit_known = vertical.has_value();
   sight.vertical_metres = vertical.value_or(1);
-  const Ellipsoid earth = impl_->metric.ellipsoid.value_or(kWgs84Ellipsoid);
+  const std::optional<Ellipsoid>& measured = impl_->metric.measured().ellipsoid;
+  const Ellipsoid earth = measured ? *measured : impl_->metric.ellipsoid.value_or(kWgs84Ellipsoid);
   sight.radius = earth.mean_radius();
   SightWay way(*impl_, options, sight.vertical_metres);
   LODE_CHECK(way.follow());

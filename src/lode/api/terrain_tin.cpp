@@ -27,7 +27,20 @@ Result<void> hold_everywhere(const Terrain& terrain, const TerrainOptions& optio
   return {};
 }
 
+Place first_unmeasured(const TerrainProfile& profile, const Place& to) {
+  const auto at = std::ranges::find_if(
+      profile.points, [](const auto& point) { return !std::isfinite(point.distance); });
+  return at == profile.points.end() ? to : at->at;
+}
+
 }  // namespace
+
+Error TerrainTin::Impl::not_measured(const Place& at) {
+  return fail(
+      "expected a way whose places the CRS that distances are measured in has, got one that comes "
+      "to {}, {}, where PROJ finds none",
+      at[0], at[1]);
+}
 
 TerrainTin::TerrainTin(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 TerrainTin::TerrainTin(TerrainTin&& other) noexcept = default;
@@ -131,6 +144,8 @@ Result<TerrainProfile> TerrainTin::profile(const Place& from, const Place& to,
   }
   const double before = distance;
   profile.length = move_to(to);
+  if (!std::isfinite(profile.length))
+    return impl_->not_measured(profile.points.empty() ? from : first_unmeasured(profile, to));
   if (points.empty() || points.back().t < 1) profile.gaps.push_back({before, profile.length});
   profile.seconds = watch.seconds();
   return profile;

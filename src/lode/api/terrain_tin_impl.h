@@ -63,6 +63,8 @@ struct TerrainTin::Impl {
   [[nodiscard]] double error_bound(double error) const {
     return patches ? error : std::min(error, report.achieved_error);
   }
+  /// That a distance to a place is none.
+  [[nodiscard]] static Error not_measured(const Place& at);
   [[nodiscard]] Place to_lattice(const Place& world) const {
     return frame.snapped_lattice(world[0], world[1]);
   }

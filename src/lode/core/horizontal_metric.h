@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "lode/core/ellipsoid.h"
+#include "lode/core/place_map.h"
 #include "lode/core/result.h"
 #include "lode/core/vec.h"
 
@@ -20,14 +23,27 @@ struct HorizontalMetric {
   std::string ellipsoid_name{};
   double prime_meridian = 0;  ///< Of the ellipsoid's: degrees east of Greenwich.
   std::string prime_meridian_name{};
+  /// Distances are those in another CRS, whose metric this is, to which the map leads; null: in
+  /// this one. Both are there, or none.
+  std::shared_ptr<const HorizontalMetric> elsewhere{};
+  std::shared_ptr<const PlaceMap> map{};
 
-  /// Along the segment that is straight in the coordinates.
+  /// By which distances are measured, and in whose unit.
+  [[nodiscard]] const HorizontalMetric& measured() const { return elsewhere ? *elsewhere : *this; }
+  /// Along the segment that is straight in the coordinates, where that is not here of what it
+  /// becomes there; not a number where a place of it has none there.
   [[nodiscard]] double distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const {
+    if (map) return mapped_distance(from, to);
     if (!ellipsoid) return length(to - from);
     return length_on(*ellipsoid, from * angle_unit, to * angle_unit);
   }
   /// Metres of a unit of distance; where the unit is not known it is taken for one.
-  [[nodiscard]] double metres() const { return ellipsoid ? 1 : length_unit; }
+  [[nodiscard]] double metres() const { return measured().ellipsoid ? 1 : measured().length_unit; }
+
+ private:
+  [[nodiscard]] double mapped_distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const;
+  [[nodiscard]] double chords(const Vec<double, 2>& from, const Vec<double, 2>& to,
+                              std::size_t n) const;
 };
 
 /// Refuses longitudes and latitudes that are none: latitudes beyond the poles, longitudes more than

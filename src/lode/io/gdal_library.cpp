@@ -80,6 +80,8 @@ void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.import_epsg, "OSRImportFromEPSG");
   finder.find(gdal.set_compound, "OSRSetCompoundCS");
   finder.find(gdal.is_vertical, "OSRIsVertical");
+  finder.find(gdal.is_compound, "OSRIsCompound");
+  finder.find(gdal.n_axes, "OSRGetAxesCount");
   finder.find(gdal.strip_vertical, "OSRStripVertical");
   finder.find(gdal.strip_height, "OSRDemoteTo2D");
   finder.find(gdal.export_wkt, "OSRExportToWkt");
@@ -144,6 +146,12 @@ void find_vector_input(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.new_transformation, "OCTNewCoordinateTransformation");
   finder.find(gdal.destroy_transformation, "OCTDestroyCoordinateTransformation");
   finder.find(gdal.transform, "OCTTransform");
+  finder.find(gdal.transform_each, "OCTTransformEx");
+  finder.find(gdal.clone_transformation, "OCTClone");
+  finder.find(gdal.new_way_options, "OCTNewCoordinateTransformationOptions");
+  finder.find(gdal.destroy_way_options, "OCTDestroyCoordinateTransformationOptions");
+  finder.find(gdal.set_guesses, "OCTCoordinateTransformationOptionsSetBallparkAllowed");
+  finder.find(gdal.new_transformation_by, "OCTNewCoordinateTransformationEx");
 }
 
 Result<GdalLibrary> load() {

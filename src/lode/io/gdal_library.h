@@ -66,6 +66,12 @@ struct GdalLibrary {
   decltype(&OCTNewCoordinateTransformation) new_transformation = nullptr;
   decltype(&OCTDestroyCoordinateTransformation) destroy_transformation = nullptr;
   decltype(&OCTTransform) transform = nullptr;
+  decltype(&OCTTransformEx) transform_each = nullptr;  ///< And says which are done.
+  decltype(&OCTClone) clone_transformation = nullptr;
+  decltype(&OCTNewCoordinateTransformationOptions) new_way_options = nullptr;
+  decltype(&OCTDestroyCoordinateTransformationOptions) destroy_way_options = nullptr;
+  decltype(&OCTCoordinateTransformationOptionsSetBallparkAllowed) set_guesses = nullptr;
+  decltype(&OCTNewCoordinateTransformationEx) new_transformation_by = nullptr;
   decltype(&GDALSetGeoTransform) set_geotransform = nullptr;
   decltype(&GDALSetSpatialRef) set_crs = nullptr;
   decltype(&GDALSetMetadataItem) set_metadata = nullptr;
@@ -78,6 +84,8 @@ struct GdalLibrary {
   decltype(&OSRImportFromEPSG) import_epsg = nullptr;
   decltype(&OSRSetCompoundCS) set_compound = nullptr;
   decltype(&OSRIsVertical) is_vertical = nullptr;
+  decltype(&OSRIsCompound) is_compound = nullptr;
+  decltype(&OSRGetAxesCount) n_axes = nullptr;
   decltype(&OSRStripVertical) strip_vertical = nullptr;  ///< Of compound CRS.
   decltype(&OSRDemoteTo2D) strip_height = nullptr;       ///< Of those with three axes.
   decltype(&OSRExportToWkt) export_wkt = nullptr;

@@ -2,6 +2,7 @@
 set(IO_HEIGHT_SOURCES
   ascii_grid.cpp
   covered_area.cpp
+  crs_map.cpp
   crs_metric.cpp
   gdal_crs.cpp
   gdal_library.cpp

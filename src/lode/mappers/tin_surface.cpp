@@ -54,11 +54,10 @@ std::uint64_t count_turned(const Surface& surface) {
 
 }  // namespace
 
-TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
+TinSurface to_surface(const delaunay::Tin& tin, std::vector<Vec3d> places, TriangleTurns turns) {
   TinSurface made;
   Surface& surface = made.surface;
   if (tin.vertices.empty()) return made;
-  std::vector<Vec3d> places = place_vertices(tin, frame);
   surface.origin = choose_origin(places);
   surface.positions.reserve(places.size());
   surface.values.reserve(places.size());
@@ -75,10 +74,17 @@ TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
     surface.values.push_back(place[2]);
   }
   surface.triangles = tin.triangles;
-  if (frame.is_mirrored())
+  if (turns == TriangleTurns::right)
     for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
   made.n_turned = count_turned(surface);
-  if (made.height_slack > 0) made.places = std::move(places);
+  made.places = std::move(places);
+  return made;
+}
+
+TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
+  TinSurface made = to_surface(tin, place_vertices(tin, frame),
+                               frame.is_mirrored() ? TriangleTurns::right : TriangleTurns::left);
+  if (made.height_slack == 0) made.places = {};
   return made;
 }
 

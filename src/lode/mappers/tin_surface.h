@@ -25,4 +25,11 @@ struct TinSurface {
 /// or of 16 bits keep theirs at zero, and are exact.
 [[nodiscard]] TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame);
 
+/// How triangles that turn left on the lattice turn in the world.
+enum class TriangleTurns : std::uint8_t { left, right };
+
+/// The same with vertices at given places, x, y and height, which it keeps.
+[[nodiscard]] TinSurface to_surface(const delaunay::Tin& tin, std::vector<Vec3d> places,
+                                    TriangleTurns turns);
+
 }  // namespace lode
