@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "command.h"
 #include "contour_levels.h"
@@ -9,6 +11,7 @@
 #include "stopwatch.h"
 #include "terrain_input.h"
 #include "terrain_query.h"
+#include "to_crs.h"
 #include "vector_output.h"
 
 namespace lode::cli {
@@ -33,6 +36,7 @@ Result<void> check_contours(const ContourArguments& arguments) {
         "got {}",
         arguments.output);
   LODE_CHECK(check_line_output(arguments.output));
+  LODE_CHECK(check_to_crs_output(arguments.terrain.terrain, arguments.output));
   return check_paths_differ({arguments.terrain.input}, {arguments.output});
 }
 
@@ -57,6 +61,13 @@ void add_head(const ContourAnswer& answer, Json& json, Table& table) {
                                            format_height(answer.levels.back(), relief))});
 }
 
+/// To the CRS of --to-crs.
+Result<void> map_lines_of(const ContourAnswer& answer, std::vector<std::span<Place>>& lines,
+                          Session& session, Json& json, Table& table) {
+  return map_to_crs(answer.arguments.terrain.input, answer.answerer.target, lines, session, json,
+                    table);
+}
+
 void add_times(const ContourAnswer& answer, double trace, double write, Json& json, Table& table) {
   json["seconds"] = {{"read", answer.answerer.read_seconds},
                      {"select", answer.answerer.tin.report().seconds},
@@ -68,20 +79,23 @@ void add_times(const ContourAnswer& answer, double trace, double write, Json& js
 }
 
 Result<Outcome> run_lines(const ContourAnswer& answer, Session& session) {
-  LODE_TRY(const TerrainContours contours,
+  LODE_TRY(TerrainContours contours,
            answer.answerer.tin.contours(answer.levels, session.progress()));
   const HeightRange range = answer.answerer.tin.height_range();
   if (contours.lines.empty())
     session.warn(fmt::format("there are no contours: heights are from {}",
                              format_heights(range.lower, range.upper)));
   const Stopwatch watch;
-  LODE_CHECK(
-      write_contours(answer.arguments.output, answer.answerer, contours, session.progress()));
-  const double write_seconds = watch.seconds();
   Outcome outcome;
   Json& json = outcome.json;
   Table table;
   add_head(answer, json, table);
+  std::vector<std::span<Place>> lines;
+  for (TerrainContours::Line& line : contours.lines) lines.emplace_back(line.points);
+  LODE_CHECK(map_lines_of(answer, lines, session, json, table));
+  LODE_CHECK(
+      write_contours(answer.arguments.output, answer.answerer, contours, session.progress()));
+  const double write_seconds = watch.seconds();
   json["lines"] = contours.lines.size();
   json["rings"] = contours.n_rings;
   json["points"] = contours.n_points;
@@ -101,14 +115,18 @@ Result<Outcome> run_lines(const ContourAnswer& answer, Session& session) {
 }
 
 Result<Outcome> run_polygons(const ContourAnswer& answer, Session& session) {
-  LODE_TRY(const TerrainBands bands, answer.answerer.tin.bands(answer.levels, session.progress()));
+  LODE_TRY(TerrainBands bands, answer.answerer.tin.bands(answer.levels, session.progress()));
   const Stopwatch watch;
-  LODE_CHECK(write_bands(answer.arguments.output, answer.answerer, bands, session.progress()));
-  const double write_seconds = watch.seconds();
   Outcome outcome;
   Json& json = outcome.json;
   Table table;
   add_head(answer, json, table);
+  std::vector<std::span<Place>> rings;
+  for (TerrainBands::Polygon& polygon : bands.polygons)
+    for (std::vector<Place>& ring : polygon.rings) rings.emplace_back(ring);
+  LODE_CHECK(map_lines_of(answer, rings, session, json, table));
+  LODE_CHECK(write_bands(answer.arguments.output, answer.answerer, bands, session.progress()));
+  const double write_seconds = watch.seconds();
   json["polygons"] = bands.polygons.size();
   json["holes"] = bands.n_holes;
   json["points"] = bands.n_points;
@@ -128,7 +146,7 @@ Result<Outcome> run_contours(const ContourArguments& arguments, Session& session
     return check_known_crs(arguments.output, arguments.terrain.input, facts);
   };
   LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session, accept));
-  hint_at_wrap(answerer.opened, arguments.terrain.input, session);
+  if (!answerer.target) hint_at_wrap(answerer.opened, arguments.terrain.input, session);
   const HeightRange range = answerer.tin.height_range();
   LODE_TRY(const std::vector<double> levels, wanted.within(range.lower, range.upper));
   const ContourAnswer answer{arguments, answerer, levels};
@@ -144,12 +162,15 @@ Command add_contours_command(CLI::App& program) {
       "Lines are those of the TIN within --max-error, joined, rings closed, with higher ground on\n"
       "their left. A vertex at just the height of a contour counts as above it.\n\n"
       "--polygons fills the bands between them instead, and what is below and above all.\n\n"
-      "OUT may end in .gpkg (GeoPackage, in the raster's CRS), .geojson (RFC 7946: longitudes and\n"
-      "latitudes of WGS 84, to which it is transformed) or .vtp (in space).\n\n"
+      "OUT may end in .gpkg (GeoPackage, in the raster's CRS or --to-crs), .geojson (RFC 7946:\n"
+      "longitudes and latitudes of WGS 84, to which it is transformed) or .vtp (in space).\n\n"
       "Examples:\n  lode contours dem.tif contours.gpkg --interval 100 --max-error 5\n"
       "  lode contours dem.tif shore.geojson --isovalue 0 --max-error 1\n"
       "  lode contours dem.tif bands.gpkg --interval 100 --polygons");
   add_terrain_query(*app, arguments->terrain);
+  add_to_crs(*app, arguments->terrain.terrain,
+             "Write coordinates in this CRS, through PROJ: vertices of lines and polygons, with "
+             "straight pieces between them; of .gpkg and .vtp");
   app->add_option("output", arguments->output, "File to write")->type_name("OUT")->required();
   add_level_options(*app, arguments->levels);
   app->add_flag("--polygons", arguments->is_polygons,

@@ -16,6 +16,7 @@
 #include "simplify_options.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "to_crs.h"
 #include "tolerance.h"
 #include "vtk_import.h"
 
@@ -397,6 +398,7 @@ constexpr const char* kFooter =
     "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
     "  lode extract dem.tif dem.ply --max-error 10\n"
     "  lode extract dem.lode part.ply --max-error 1 --clip 560000,561000,5115000,5116000\n"
+    "  lode extract degrees.tif metres.ply --max-error 10 --to-crs EPSG:32632\n"
     "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
     "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
     "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
@@ -445,6 +447,9 @@ Command add_extract_command(CLI::App& program) {
                          "index.json, to a new or empty directory");
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::extraction);
+  add_to_crs(*app, arguments->terrain,
+             "Write a terrain's mesh with x and y in this CRS, through PROJ; its error is measured "
+             "there again. --clip, --box, --focus-point and --view stay in the CRS of the file");
   return {app, [arguments, app] { return check_extract(*arguments, *app); },
           [arguments](Session& session) { return run_extract(*arguments, session); }};
 }

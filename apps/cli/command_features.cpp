@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "command.h"
 #include "feature_output.h"
@@ -10,6 +12,7 @@
 #include "stopwatch.h"
 #include "terrain_facts.h"
 #include "terrain_query.h"
+#include "to_crs.h"
 #include "vector_output.h"
 
 namespace lode::cli {
@@ -32,6 +35,7 @@ Result<void> check_features(const FeatureArguments& arguments) {
   LODE_CHECK(check_terrain_query(arguments.terrain, ""));
   if (auto relief = to_relief(arguments.relief); !relief) return relief.error();
   LODE_CHECK(check_line_output(arguments.output));
+  LODE_CHECK(check_to_crs_output(arguments.terrain.terrain, arguments.output));
   return check_paths_differ({arguments.terrain.input}, {arguments.output});
 }
 
@@ -84,6 +88,25 @@ void add_feature_output(const FeatureArguments& arguments, const TerrainFeatures
              fmt::format("{}{}", arguments.output, unknown ? "" : ", " + format_bytes(n_bytes))});
 }
 
+/// Points and lines to the CRS of --to-crs; heights stay.
+Result<void> map_features(const std::string& input, const std::optional<TargetCrs>& target,
+                          TerrainFeatures& features, Session& session, Json& json, Table& table) {
+  std::vector<std::span<Vec3d>> all;
+  for (TerrainFeatures::Point& point : features.points) all.emplace_back(&point.at, 1);
+  for (TerrainFeatures::Line& line : features.lines) all.emplace_back(line.points);
+  std::vector<std::vector<Place>> places(all.size());
+  std::vector<std::span<Place>> lines(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (const Vec3d& p : all[i]) places[i].push_back({{p[0], p[1]}});
+    lines[i] = places[i];
+  }
+  LODE_CHECK(map_to_crs(input, target, lines, session, json, table));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t k = 0; k < all[i].size(); ++k)
+      all[i][k] = {{places[i][k][0], places[i][k][1], all[i][k][2]}};
+  return {};
+}
+
 Result<Outcome> run_features(const FeatureArguments& arguments, Session& session) {
   const std::string& input = arguments.terrain.input;
   LODE_TRY(const auto relief, to_relief(arguments.relief));
@@ -92,15 +115,13 @@ Result<Outcome> run_features(const FeatureArguments& arguments, Session& session
   const TerrainFacts& facts = terrain.opened.facts;
   LODE_CHECK(check_known_crs(arguments.output, input, facts));
   LODE_CHECK(check_upwards(facts.frame, input));
-  LODE_TRY(const TerrainFeatures features,
+  LODE_TRY(TerrainFeatures features,
            naming(input, find_terrain_features(terrain.opened.terrain, relief, session.progress()),
                   session));
   if (features.lines.empty())
     session.warn(fmt::format("there are no ridges and channels: no pass has a relief of {} or more",
                              format_number(features.least_relief)));
   const Stopwatch watch;
-  LODE_CHECK(write_features(arguments.output, terrain, features, session.progress()));
-  const double write_seconds = watch.seconds();
   Outcome outcome;
   Json& json = outcome.json;
   Table table;
@@ -108,6 +129,9 @@ Result<Outcome> run_features(const FeatureArguments& arguments, Session& session
   json["input"] = input;
   json["outputs"] = Json::array({arguments.output});
   add_facts(facts, json, table);
+  LODE_CHECK(map_features(input, terrain.target, features, session, json, table));
+  LODE_CHECK(write_features(arguments.output, terrain, features, session.progress()));
+  const double write_seconds = watch.seconds();
   add_found(features, !relief, json, table);
   add_feature_output(arguments, features, terrain.read_seconds, write_seconds, json, table);
   json["warnings"] = session.warnings();
@@ -126,12 +150,16 @@ Command add_features_command(CLI::App& program) {
       "up and the channels down, along its edges; what ridges or channels share is written once.\n"
       "Kept is what rises or falls by at least --feature-relief to where it is paired by\n"
       "persistence: of a peak its prominence, of a pit the depth of its lake.\n\n"
-      "OUT may end in .gpkg (GeoPackage, in the raster's CRS: layers critical_points, ridges,\n"
-      "channels), .geojson (RFC 7946: one collection, told apart by `kind`) or .vtp (in space).\n\n"
+      "OUT may end in .gpkg (GeoPackage, in the raster's CRS or --to-crs: layers critical_points,\n"
+      "ridges, channels), .geojson (RFC 7946: one collection, told apart by `kind`) or .vtp (in "
+      "space).\n\n"
       "Examples:\n  lode features dem.tif features.gpkg --feature-relief 50\n"
       "  lode features dem.tif all.vtp --feature-relief 0\n"
       "  lode features survey.las ridges.geojson --class 2");
   add_terrain_source(*app, arguments->terrain, TerrainUse::reading);
+  add_to_crs(*app, arguments->terrain.terrain,
+             "Write coordinates in this CRS, through PROJ: vertices of lines, with straight pieces "
+             "between them; of .gpkg and .vtp");
   app->add_option("output", arguments->output, "File to write")->type_name("OUT")->required();
   app->add_option("--feature-relief", arguments->relief,
                   "Least relief, in units of the heights (default: 1 % of their range; 0: all)")

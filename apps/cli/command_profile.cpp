@@ -74,7 +74,7 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
   Table table;
   add_terrain_head(answerer, arguments.terrain, json, table);
   json["bound_kind"] = bound_kind_of(answerer.tin.report());
-  add_metric(answerer.metric, json);
+  add_metric(answerer.metric, json, answerer.target);
   json["length"] = profile.length;
   json["parts"] = profile.points.empty() ? 0 : profile.points.back().part;
   json["profile_rows"] = profile.points.size();
@@ -91,7 +91,7 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
                      {"select", answerer.tin.report().seconds},
                      {"profile", profile.seconds}};
   json["warnings"] = session.warnings();
-  table.add({"distance", describe_metric(answerer.metric)});
+  table.add({"distance", describe_metric(answerer.metric, answerer.target)});
   table.add({"length", format_number(profile.length)});
   table.add({"gaps", profile.gaps.empty()
                          ? std::string("none")
@@ -136,19 +136,20 @@ Command add_profile_command(CLI::App& program) {
       "profile", "Show the heights of a terrain along a segment, with their bounds");
   app->footer(
       "A row for each edge or vertex of the TIN within --max-error that the segment meets, and\n"
-      "for its ends: in between heights are linear. Between parts there is no terrain. The "
-      "segment\n"
-      "is straight in the raster's coordinates; distances along it are in the plane of a "
-      "projected\n"
-      "CRS, and on the ellipsoid where coordinates are longitudes and latitudes. `bound` holds at\n"
-      "samples: none in the triangles beside is farther from them. Of surface quadtrees and\n"
+      "for its ends: in between heights are linear. Between parts there is no terrain. The\n"
+      "segment is straight in the raster's coordinates; distances along it are in the plane of a\n"
+      "projected CRS, and on the ellipsoid where coordinates are longitudes and latitudes, or\n"
+      "those of --to-crs. `bound` holds at samples: none in the triangles beside is farther from\n"
+      "them. Of surface quadtrees and\n"
       "quaternary triangulations rows are at sides of squares and triangles, and two at one "
       "distance\n"
       "where their surfaces do not meet; what bends is cut, and bounds hold of straight lines\n"
       "between rows.\n\n"
       "Examples:\n  lode profile dem.tif --from 500000,4000000 --to 520000,4010000 --max-error 1\n"
-      "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --out profile.csv");
+      "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --out profile.csv\n"
+      "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --to-crs EPSG:32632");
   add_terrain_query(*app, arguments->terrain);
+  add_distance_crs(*app, arguments->terrain);
   add_everywhere(*app, arguments->terrain);
   add_segment(*app, arguments->from, arguments->to);
   app->add_option("-o,--output,--out", arguments->output, "Write part,distance,x,y,height,bound")

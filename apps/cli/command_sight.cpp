@@ -141,7 +141,7 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   Table table;
   add_facts(input.opened.facts, json, table);
   json["model"] = name_of(input.opened.model);
-  add_metric(input.metric, json);
+  add_metric(input.metric, json, input.target);
   json["observer_height"] = options.observer_height;
   json["target_height"] = options.target_height;
   json["refraction"] = options.refraction;
@@ -154,8 +154,8 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
                                       bound_kind_of(sight.terrain))});
   table.add({"triangles", format_count(sight.terrain.triangles)});
   if (arguments.is_exact) table.add({"rounds", format_count(sight.n_rounds)});
-  table.add({"distance",
-             fmt::format("{} ({})", format_number(sight.distance), describe_metric(input.metric))});
+  table.add({"distance", fmt::format("{} ({})", format_number(sight.distance),
+                                     describe_metric(input.metric, input.target))});
   table.add({"earth", fmt::format("radius {} m, refraction {}", format_number(sight.radius),
                                   format_number(options.refraction))});
   table.add({"read", format_seconds(input.read_seconds)});
@@ -184,6 +184,7 @@ Command add_sight_command(CLI::App& program) {
       "  lode sight dem.tif --from 8.1,46.5 --to 8.2,46.6 --target-height 30 --exact");
   arguments->terrain.may_be_everywhere = true;
   add_terrain_query(*app, arguments->terrain);
+  add_distance_crs(*app, arguments->terrain);
   add_segment(*app, arguments->from, arguments->to);
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     app->add_option(name, value, help)->type_name(type);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "to_crs.h"
 #include "vector_output.h"
 
 namespace lode::cli {
@@ -14,7 +15,7 @@ namespace {
 
 std::string contour_comment(const TerrainAnswerer& answerer) {
   const TerrainReport& report = answerer.tin.report();
-  const std::string& crs = answerer.opened.facts.frame.crs;
+  const std::string& crs = written_crs(answerer.opened, answerer.target);
   return fmt::format("Lode {}: contours of {}, max_error {}, achieved_error {} at samples{}",
                      LODE_VERSION, name_of(answerer.opened.model), report.max_error,
                      report.achieved_error, crs.empty() ? "" : ", CRS " + crs);
@@ -73,7 +74,7 @@ Result<void> write_contours(const std::string& path, const TerrainAnswerer& answ
            VectorWriter::create(path, {.name = "contours",
                                        .shape = VectorShape::lines,
                                        .columns = {{"height"}},
-                                       .crs = answerer.opened.facts.frame.crs}));
+                                       .crs = written_crs(answerer.opened, answerer.target)}));
   return write_each(writer, contours.lines.size(), progress, [&](std::size_t i) {
     const TerrainContours::Line& line = contours.lines[i];
     return writer.add({&line.height, 1}, {&line.points, 1});
@@ -86,7 +87,7 @@ Result<void> write_bands(const std::string& path, const TerrainAnswerer& answere
            VectorWriter::create(path, {.name = "bands",
                                        .shape = VectorShape::polygons,
                                        .columns = {{"lower"}, {"upper"}},
-                                       .crs = answerer.opened.facts.frame.crs}));
+                                       .crs = written_crs(answerer.opened, answerer.target)}));
   return write_each(writer, bands.polygons.size(), progress, [&](std::size_t i) {
     const TerrainBands::Polygon& polygon = bands.polygons[i];
     return writer.add(std::array{polygon.lower, polygon.upper}, polygon.rings);

@@ -15,6 +15,7 @@
 #include "terrain_clip.h"
 #include "terrain_facts.h"
 #include "terrain_query.h"
+#include "to_crs.h"
 #include "tolerance.h"
 
 namespace lode::cli {
@@ -31,6 +32,7 @@ struct TerrainAnswer {
   double write_seconds;
   std::optional<TerrainRasterReport> raster{};
   std::optional<TerrainClip> clip{};
+  std::optional<MappedAnswer> mapped{};
 };
 
 /// Whether max_error holds somewhere: there may be pixels of a view alone.
@@ -67,6 +69,10 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["error_kind"] = "at samples";
   json["error_met"] = report.is_within_error;
   json["budget_met"] = report.budget_met;
+  const bool has_one = report.is_uniform && has_tolerance(focus) &&
+                       (!answer.job.max_error.empty() || answer.job.query.max_cells.empty());
+  json["to_crs"] =
+      mapped_json(answer.mapped, has_one ? std::optional(report.max_error) : std::nullopt);
   json["triangles"] = report.triangles;
   json["vertices"] = report.vertices;
   add_facts(answer.opened.facts, json, table);
@@ -81,10 +87,12 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
     json["turned_triangles"] = report.n_turned;
     if (answer.job.terrain.wrap) json["one_sided_vertices"] = report.n_one_sided;
   }
-  json["seconds"] = {{"total", answer.read_seconds + report.seconds + answer.write_seconds},
-                     {"read", answer.read_seconds},
-                     {"select", report.seconds},
-                     {"write", answer.write_seconds}};
+  const double map_seconds = answer.mapped ? answer.mapped->seconds : 0;
+  json["seconds"] = {
+      {"total", answer.read_seconds + report.seconds + map_seconds + answer.write_seconds},
+      {"read", answer.read_seconds},
+      {"select", report.seconds},
+      {"write", answer.write_seconds}};
   json["warnings"] = session.warnings();
   return json;
 }
@@ -109,7 +117,9 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   }
   if (answer.options.focus) add_focus_rows(*answer.options.focus, table);
   if (report.view) add_view_rows(*answer.options.focus, *report.view, table);
-  table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
+  table.add({"achieved error", fmt::format("{} at samples{}", format_number(report.achieved_error),
+                                           answer.mapped ? ", in the CRS of the file" : "")});
+  if (answer.mapped) add_mapped_rows(*answer.mapped, table);
   add_clip_row(answer.clip, table);
   table.add({"triangles", format_count(report.triangles)});
   table.add({"vertices", format_count(report.vertices)});
@@ -135,9 +145,13 @@ std::string summary_of(const TerrainReport& report, const OpenedTerrain& opened,
 
 /// Of surfaces, whose files have no other place for a CRS.
 std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened,
-                       InsertionOrder order) {
-  const std::string& crs = opened.facts.frame.crs;
-  return summary_of(report, opened, order) + (crs.empty() ? "" : ", CRS " + crs);
+                       InsertionOrder order, const std::optional<MappedAnswer>& mapped) {
+  const std::string& own = opened.facts.frame.crs;
+  const std::string summary = summary_of(report, opened, order);
+  if (!mapped) return summary + (own.empty() ? "" : ", CRS " + own);
+  return fmt::format(
+      "{} of its source, {} in this CRS at {}, CRS {}", summary, mapped->errors.error,
+      mapped->measured_at == MeasuredAt::samples ? "samples" : "kept vertices", mapped->target.crs);
 }
 
 void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
@@ -237,6 +251,7 @@ struct Written {
   std::optional<TerrainRasterReport> raster{};
   double seconds = 0;
   std::optional<TerrainClip> clip{};
+  std::optional<MappedAnswer> mapped{};
 };
 
 bool names_output(const Error& error, const TerrainJob& job) {
@@ -252,12 +267,11 @@ bool is_gltf_path(const std::string& path) {
 }
 
 /// Metres of a unit of x, y and heights, for formats that are in metres.
-Vec3d metres_of_axes(const TerrainJob& job, const OpenedTerrain& opened, Session& session) {
+Vec3d metres_of_axes(const TerrainJob& job, const HeightFrame& frame, const HeightRange& range,
+                     Session& session) {
   if (!is_gltf_path(job.output)) return {{1, 1, 1}};
-  const HeightFrame& frame = opened.facts.frame;
   const Result<HorizontalMetric> metric = read_metric(frame.crs);
-  const auto place =
-      metric ? picture_frame(frame, opened.terrain.range(), *metric, 1.0) : metric.error();
+  const auto place = metric ? picture_frame(frame, range, *metric, 1.0) : metric.error();
   if (!place) {
     session.warn(fmt::format("{}: its coordinates are taken for metres, as those of glTF are: {}",
                              job.output, place.error().message));
@@ -278,6 +292,46 @@ Vec3d metres_of_axes(const TerrainJob& job, const OpenedTerrain& opened, Session
   return {{place->x_scale, place->y_scale, place->z_scale}};
 }
 
+/// A surface, and where and in which CRS it is.
+struct MadeTerrain {
+  TerrainSurface terrain;
+  HeightFrame frame;
+  std::optional<MappedAnswer> mapped{};
+};
+
+Result<MadeTerrain> make_mapped(const TerrainJob& job, const OpenedTerrain& opened,
+                                const TerrainOptions& options, const std::optional<PlaceBox>& clip,
+                                Session& session) {
+  const HeightFrame& frame = opened.facts.frame;
+  LODE_TRY(auto target, open_to_crs(job.input, job.terrain, frame, session));
+  LODE_TRY(MappedTerrain made, naming(job.input,
+                                      extract_mapped_terrain(opened.terrain, options,
+                                                             {.map = *target->map,
+                                                              .name = target->name,
+                                                              .clip = clip,
+                                                              .samples = measured_samples(opened)},
+                                                             session.progress()),
+                                      session));
+  HeightFrame round = frame_round(made.terrain, frame, target->crs);
+  return MadeTerrain{std::move(made.terrain), std::move(round),
+                     MappedAnswer{*std::move(target), made.errors, made.measured_at, made.seconds}};
+}
+
+Result<MadeTerrain> make_surface(const TerrainJob& job, const OpenedTerrain& opened,
+                                 const TerrainOptions& options, Session& session) {
+  const HeightFrame& frame = opened.facts.frame;
+  LODE_TRY(auto clip, to_terrain_clip(job.clip, job.output));
+  if (clip) {
+    LODE_TRY(const HorizontalMetric metric, naming(job.input, read_metric(frame.crs), session));
+    clip = near_terrain(*clip, metric, frame);
+  }
+  if (!job.terrain.to_crs.empty()) return make_mapped(job, opened, options, clip, session);
+  LODE_TRY(TerrainSurface made,
+           naming(job.input, extract_terrain(opened.terrain, options, session.progress(), clip),
+                  session));
+  return MadeTerrain{std::move(made), frame};
+}
+
 Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                           const TerrainOptions& options, Session& session) {
   if (is_geotiff_path(job.output)) {
@@ -294,29 +348,23 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
              is_named ? std::move(written) : naming(job.input, std::move(written), session));
     return Written{made.terrain, made, made.sample_seconds + made.write_seconds};
   }
-  LODE_TRY(auto clip, to_terrain_clip(job.clip, job.output));
-  if (clip) {
-    const HeightFrame& frame = opened.facts.frame;
-    LODE_TRY(const HorizontalMetric metric, naming(job.input, read_metric(frame.crs), session));
-    clip = near_terrain(*clip, metric, frame);
-  }
-  LODE_TRY(const TerrainSurface made,
-           naming(job.input, extract_terrain(opened.terrain, options, session.progress(), clip),
-                  session));
+  LODE_TRY(const MadeTerrain surface, make_surface(job, opened, options, session));
+  const TerrainSurface& made = surface.terrain;
   const Stopwatch watch;
-  LODE_CHECK(write_surface(job.output, made.surface,
-                           {.comment = comment_of(made.report, opened, options.order),
-                            .value_name = "height",
-                            .node_name = "terrain",
-                            .metres = metres_of_axes(job, opened, session),
-                            .places = made.places},
-                           session.progress()));
+  LODE_CHECK(
+      write_surface(job.output, made.surface,
+                    {.comment = comment_of(made.report, opened, options.order, surface.mapped),
+                     .value_name = "height",
+                     .node_name = "terrain",
+                     .metres = metres_of_axes(job, surface.frame, opened.terrain.range(), session),
+                     .places = made.places},
+                    session.progress()));
   TerrainReport report = made.report;
   if (!made.places.empty() && can_hold_places(job.output)) {
     report.height_slack = report.position_slack = 0;
     report.n_turned = 0;  // by floats, which the file has none of
   }
-  return Written{report, {}, watch.seconds(), made.clip};
+  return Written{report, {}, watch.seconds(), made.clip, surface.mapped};
 }
 
 }  // namespace
@@ -360,11 +408,19 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
       app, job.input,
       {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
        "--view", "--view-size", "--max-error-px", "--exaggeration", "--max-error-outside", "--cell",
-       "--difference", "--against", "--clip"}));
+       "--difference", "--against", "--clip", "--to-crs"}));
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   if (!is_geotiff_path(job.output)) LODE_CHECK(check_terrain_surface(job.output));
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
   LODE_CHECK(check_wrap(job));
+  LODE_CHECK(check_to_crs(job.terrain));
+  LODE_CHECK(check_to_crs_output(job.terrain, job.output));
+  if (!job.terrain.to_crs.empty() && is_geotiff_path(job.output))
+    return fail(
+        "--to-crs: expected a surface (.ply, .obj, .glb, .vtp) as output, got {}: a raster "
+        "in "
+        "another CRS has other samples, which gdalwarp makes",
+        job.output);
   if (auto clip = to_terrain_clip(job.clip, job.output); !clip) return clip.error();
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
@@ -399,10 +455,11 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
   if (!job.raster.difference.empty()) LODE_CHECK(check_writable(job.raster.difference));
   const Stopwatch read_watch;
-  LODE_TRY(const OpenedTerrain opened,
-           open_terrain(
-               job.input, job.terrain, job.reading, wanted.building, options.max_error, session,
-               {.keeps_samples = !job.raster.difference.empty(), .has_shares = wanted.has_shares}));
+  LODE_TRY(
+      const OpenedTerrain opened,
+      open_terrain(job.input, job.terrain, job.reading, wanted.building, options.max_error, session,
+                   {.keeps_samples = !job.raster.difference.empty() || !job.terrain.to_crs.empty(),
+                    .has_shares = wanted.has_shares}));
   const HeightRange range = opened.terrain.range();
   set_share(job.max_error, range, options.max_error);
   options.is_closed = opened.is_closed;
@@ -414,13 +471,15 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
              naming(job.input, read_metric(opened.facts.frame.crs), session));
   }
   const double read_seconds = read_watch.seconds();
-  if (!is_geotiff_path(job.output)) hint_at_wrap(opened, job.input, session);
+  if (!is_geotiff_path(job.output) && job.terrain.to_crs.empty())
+    hint_at_wrap(opened, job.input, session);
   OutputSet outputs({job.output, job.raster.difference});
   if (!job.raster.difference.empty()) outputs.add(job.raster.difference);
   LODE_TRY(const Written made, write_tin(job, opened, options, session));
   outputs.keep();
   const TerrainReport& report = made.report;
   warn_of(report, opened, job, options.focus, made.clip, session);
+  if (made.mapped) warn_of_mapped(*made.mapped, report, session);
   const bool is_strict = options.max_cells || opened.built.has_value();
   const TerrainAnswer answer{job,
                              opened,
@@ -430,7 +489,8 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
                              read_seconds,
                              made.seconds,
                              made.raster,
-                             made.clip};
+                             made.clip,
+                             made.mapped};
   Table table;
   Outcome outcome;
   outcome.json = answer_json(answer, table, session);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "to_crs.h"
 #include "vector_output.h"
 
 namespace lode::cli {
@@ -148,7 +149,7 @@ Network to_network(const TerrainFeatures& features) {
 
 Result<void> write_features(const std::string& path, const TerrainInput& input,
                             const TerrainFeatures& features, Progress& progress) {
-  const std::string& crs = input.opened.facts.frame.crs;
+  const std::string& crs = written_crs(input.opened, input.target);
   if (!is_vtp_path(path)) return write_vectors(path, crs, features, progress);
   const std::string comment = fmt::format(
       "Lode {}: features of relief {} or more; kind: pit 0, pass 1, peak 2, ridge 3, channel 4{}",

@@ -127,6 +127,9 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
         "{}: expected scattered points (.las, .xyz, ...) with --class, --duplicates, --max-edge "
         "or --outline, got another file",
         path);
+  if (!arguments.to_crs.empty())
+    return fail("{}: expected {} with --to-crs, or a .lode file made of these, got another file",
+                path, kTerrainFiles);
   if (arguments.has_vertical() || !arguments.crs.empty())
     return fail("{}: expected {} with --crs, --vertical-crs or --to-vertical-crs, got another file",
                 path, kTerrainFiles);

@@ -24,6 +24,7 @@ struct TerrainArguments {
   std::string crs;  ///< This and the next two are of both.
   std::string vertical_crs;
   std::string to_vertical_crs;
+  std::string to_crs;  ///< Of what comes out, of files too; not among those that is_empty() means.
   std::string model;
   std::string insertion;
   bool keep_features = false;  ///< This and the next four make lines edges.

@@ -1,12 +1,14 @@
 #include "terrain_query.h"
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "lode/api/round_terrain.h"
 #include "parse.h"
 #include "stopwatch.h"
 #include "terrain_facts.h"
+#include "to_crs.h"
 #include "tolerance.h"
 
 namespace lode::cli {
@@ -41,6 +43,12 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
       ->type_name("E");
 }
 
+void add_distance_crs(CLI::App& app, TerrainQueryArguments& arguments) {
+  add_to_crs(app, arguments.terrain,
+             "Measure distances in the plane of this CRS, through PROJ, or on its ellipsoid where "
+             "it is geographic; places, typed and shown, stay in the CRS of the file");
+}
+
 void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments) {
   app.add_flag("--everywhere", arguments.is_everywhere,
                "Bounds hold between samples, too, against full resolution; of rasters, quadtrees, "
@@ -56,6 +64,7 @@ Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                 arguments.input, kTerrainFiles, instead.empty() ? "" : "; " + instead);
   }
   LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain, reading_of(arguments)));
+  LODE_CHECK(check_to_crs(arguments.terrain));
   if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
     return options.error();
   return check_terrain_reading(arguments.input, arguments.terrain, reading_of(arguments));
@@ -86,7 +95,14 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
   if (arguments.is_everywhere || arguments.may_be_everywhere) options.samples = opened.samples;
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(opened.facts.frame.crs), session));
-  return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds()};
+  LODE_TRY(std::optional<TargetCrs> target,
+           open_to_crs(arguments.input, arguments.terrain, opened.facts.frame, session));
+  if (target) {
+    metric.elsewhere = std::make_shared<const HorizontalMetric>(target->metric);
+    metric.map = target->map;
+  }
+  return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds(),
+                      std::move(target)};
 }
 
 Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments, Session& session,
@@ -98,7 +114,7 @@ Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments, S
                                                      input.metric, session.progress(), use),
                                   session));
   return TerrainAnswerer{std::move(input.opened), std::move(input.metric), std::move(tin),
-                         input.read_seconds};
+                         input.read_seconds, std::move(input.target)};
 }
 
 const char* bound_kind_of(const TerrainReport& report) {
@@ -160,16 +176,23 @@ void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArgumen
   table.add({"select", format_seconds(report.seconds)});
 }
 
-std::string describe_metric(const HorizontalMetric& metric) {
-  if (metric.ellipsoid) return "metre, on the ellipsoid " + metric.ellipsoid_name;
-  if (!metric.is_known) return "units of x and y, whose CRS is not known";
-  return (metric.unit.empty() ? "units of x and y" : metric.unit) + ", in the plane of the CRS";
+std::string describe_metric(const HorizontalMetric& metric,
+                            const std::optional<TargetCrs>& target) {
+  const HorizontalMetric& measured = metric.measured();
+  const std::string of_target = target ? " of " + target->name : "";
+  if (measured.ellipsoid) return "metre, on the ellipsoid " + measured.ellipsoid_name + of_target;
+  if (!measured.is_known) return "units of x and y, whose CRS is not known";
+  return (measured.unit.empty() ? "units of x and y" : measured.unit) + ", in the plane" +
+         (target ? of_target : " of the CRS");
 }
 
-void add_metric(const HorizontalMetric& metric, Json& json) {
-  json["distance_unit"] = metric.unit.empty() ? Json(nullptr) : Json(metric.unit);
-  json["distance_is_planar"] = !metric.ellipsoid.has_value();
-  json["ellipsoid"] = metric.ellipsoid ? Json(metric.ellipsoid_name) : Json(nullptr);
+void add_metric(const HorizontalMetric& metric, Json& json,
+                const std::optional<TargetCrs>& target) {
+  const HorizontalMetric& measured = metric.measured();
+  json["distance_unit"] = measured.unit.empty() ? Json(nullptr) : Json(measured.unit);
+  json["distance_is_planar"] = !measured.ellipsoid.has_value();
+  json["ellipsoid"] = measured.ellipsoid ? Json(measured.ellipsoid_name) : Json(nullptr);
+  json["distance_crs"] = target ? Json(target->name) : Json(nullptr);
 }
 
 Result<Place> parse_place(const std::string& option, const std::string& text) {

@@ -26,6 +26,8 @@ struct TerrainQueryArguments {
 void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, TerrainUse use);
 /// For extraction, with --max-error.
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
+/// --to-crs, for commands that measure distances.
+void add_distance_crs(CLI::App& app, TerrainQueryArguments& arguments);
 /// --everywhere.
 void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments);
 
@@ -36,9 +38,10 @@ void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments);
 /// A terrain, and what is wanted of it.
 struct TerrainInput {
   OpenedTerrain opened;
-  HorizontalMetric metric;
+  HorizontalMetric metric;  ///< Distances are those of the target, where there is one.
   TerrainOptions options;
   double read_seconds = 0;
+  std::optional<TargetCrs> target{};  ///< Of --to-crs.
 };
 
 /// A terrain and its TIN.
@@ -47,6 +50,7 @@ struct TerrainAnswerer {
   HorizontalMetric metric;
   TerrainTin tin;
   double read_seconds = 0;
+  std::optional<TargetCrs> target{};
 };
 
 /// Looks at a terrain before the work starts, and may refuse it.
@@ -85,8 +89,11 @@ void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArgumen
                       Json& json, Table& table);
 
 /// "metre, on the ellipsoid WGS 84", or what coordinates are in.
-[[nodiscard]] std::string describe_metric(const HorizontalMetric& metric);
-void add_metric(const HorizontalMetric& metric, Json& json);
+/// Where distances are those of --to-crs, that.
+[[nodiscard]] std::string describe_metric(const HorizontalMetric& metric,
+                                          const std::optional<TargetCrs>& target = {});
+void add_metric(const HorizontalMetric& metric, Json& json,
+                const std::optional<TargetCrs>& target = {});
 
 /// Exactly two finite numbers separated by a comma.
 [[nodiscard]] Result<Place> parse_place(const std::string& option, const std::string& text);
