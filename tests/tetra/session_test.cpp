@@ -7,8 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
-#include <set>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,17 +20,40 @@
 namespace lode::test {
 namespace {
 
-using Cell = std::array<std::array<double, 3>, 4>;
-
-std::multiset<Cell> cells_of(const SimplexMesh& mesh) {
-  std::multiset<Cell> all;
-  for (const auto& corners : mesh.tetrahedra) {
-    Cell cell;
-    for (std::size_t k = 0; k < 4; ++k) cell[k] = mesh.positions[corners[k]].v;
-    std::ranges::sort(cell);
-    all.insert(cell);
+/// Bit for bit.
+void expect_equal(const SimplexMesh& a, const SimplexMesh& b) {
+  const auto places = [](const SimplexMesh& mesh) {
+    std::vector<std::array<double, 3>> all;
+    for (const Vec3d& p : mesh.positions) all.push_back(p.v);
+    return all;
+  };
+  const auto sides = [](const SimplexMesh& mesh) {
+    std::vector<std::array<std::uint32_t, 3>> all;
+    for (const PatchSide& side : mesh.patch_sides)
+      all.push_back({side.cell, side.corner, side.patch});
+    return all;
+  };
+  EXPECT_EQ(places(a), places(b));
+  EXPECT_EQ(a.values, b.values);
+  EXPECT_EQ(a.tetrahedra, b.tetrahedra);
+  EXPECT_EQ(a.regions, b.regions);
+  EXPECT_EQ(a.errors, b.errors);
+  EXPECT_EQ(sides(a), sides(b));
+  ASSERT_EQ(a.attributes.size(), b.attributes.size());
+  for (std::size_t i = 0; i < a.attributes.size(); ++i) {
+    EXPECT_EQ(a.attributes[i].values, b.attributes[i].values);
+    EXPECT_EQ(a.attributes[i].errors, b.attributes[i].errors);
   }
-  return all;
+}
+
+void add_patch(TetraMesh& mesh) {
+  mesh.patches = {{4, "front"}};
+  for (const auto& t : mesh.tetrahedra)
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const auto face = face_across(t, corner);
+      if (std::ranges::all_of(face, [&](std::uint32_t v) { return mesh.positions[v][0] == 0; }))
+        mesh.patch_faces.push_back({face, 0});
+    }
 }
 
 TetraMesh two_fields() {
@@ -39,6 +63,7 @@ TetraMesh two_fields() {
   for (const auto& t : mesh.tetrahedra)
     mesh.regions.push_back(mesh.positions[t[0]][2] < 0.5 ? 0 : 1);
   mesh.region_ids = {3, 5};
+  add_patch(mesh);
   return mesh;
 }
 
@@ -61,9 +86,12 @@ class tetra_session : public testing::TestWithParam<Placement> {
     const auto expected = dataset_->extract_mesh(options, theirs, progress);
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_TRUE(expected);
-    EXPECT_EQ(cells_of(mine), cells_of(theirs));
+    expect_equal(mine, theirs);
+    EXPECT_FALSE(mine.patch_sides.empty());
     EXPECT_EQ(report->achieved_error, expected->achieved_error);
+    EXPECT_EQ(report->largest_error, expected->largest_error);
     EXPECT_EQ(report->achieved_world_error, expected->achieved_world_error);
+    EXPECT_EQ(report->achieved_px, expected->achieved_px);
     EXPECT_EQ(report->n_cut_cells, expected->n_cut_cells);
     EXPECT_EQ(report->n_left_out, expected->n_left_out);
   }
@@ -87,6 +115,26 @@ TEST_P(tetra_session, answers_as_from_the_base) {
       case 3: options.fields.measured = 1; break;
       case 4: options.query.max_world_error = 0.1; break;
       default: break;
+    }
+    expect_same(session, options);
+  }
+}
+
+TEST_P(tetra_session, follows_a_camera) {
+  TetraSession session(*dataset_);
+  oracles::Random random(2);
+  for (int trial = 0; trial < 24; ++trial) {
+    TetraMeshOptions options{.query = {.max_error = random.below(2) == 0 ? 0.0 : 0.1}};
+    options.fields.along = {1};
+    Query& query = options.query;
+    const Vec3d eye{{random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2)}};
+    query.view = View{{.eye = eye, .target = {{0.5, 0.5, 0.5}}, .field_of_view_deg = 25}, 64, 48};
+    switch (random.below(5)) {
+      case 0: query.isovalues = {random.uniform()}; break;
+      case 1: query.budget.max_cells = 2000 + random.below(6000); break;
+      case 2: query.max_error_outside = 0.5; break;
+      case 3: query.opacity = {{0.0, 0.0}, {0.5, 2.0}}; break;
+      default: query.max_error_px = 1 + static_cast<double>(random.below(5)); break;
     }
     expect_same(session, options);
   }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "lode/api/tetra_info.h"
 #include "lode/models/tetra_mt/space_curve.h"
@@ -55,32 +56,71 @@ std::vector<std::uint32_t> sorted_vertices(const PackedHierarchy& hierarchy, con
   return vertices;
 }
 
-/// Slots of the cells of a cut by the last of the numbers that their corners get: cells that are
-/// near come near, whatever the order in which they were made.
-std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::span<const std::uint32_t> numbers,
-                                        std::size_t n_vertices) {
+/// Corners ascending, but for the last two where that would turn the cell round: the same ones,
+/// whatever was applied and undone before.
+tetra_mt::Tetrahedron in_order(tetra_mt::Tetrahedron corners) {
+  bool is_turned = false;
+  const auto order = [&](std::uint32_t& a, std::uint32_t& b) {
+    is_turned ^= a > b;
+    const std::uint32_t less = std::min(a, b);
+    b = std::max(a, b);
+    a = less;
+  };
+  order(corners[0], corners[1]);
+  order(corners[2], corners[3]);
+  order(corners[0], corners[2]);
+  order(corners[1], corners[3]);
+  order(corners[1], corners[2]);
+  if (is_turned) std::swap(corners[2], corners[3]);
+  return corners;
+}
+
+/// A cell in_order() of the numbers that its corners get, and where the cut has it.
+struct NumberedCell {
+  tetra_mt::Tetrahedron corners;
+  std::uint32_t slot;
+};
+
+/// The cells of a cut by the last of their corners, then by the others: those that are near come
+/// near, whatever the order in which they were made.
+std::vector<NumberedCell> sorted_cells(const TetraCut& cut, std::span<const std::uint32_t> numbers,
+                                       std::size_t n_vertices) {
   const auto last_of = [&](const TetraCut::Cell& cell) {
     std::uint32_t last = 0;
     for (const std::uint32_t v : cell.corners) last = std::max(last, numbers[v]);
     return last;
   };
-  std::vector<std::uint32_t> begins(n_vertices + 1, 0);
+  std::vector<std::uint32_t> ends(n_vertices + 1, 0);  // of those before, to be filled
   for (const TetraCut::Cell& cell : cut.slots())
-    if (cut.is_inside(cell)) ++begins[last_of(cell) + std::size_t{1}];
-  for (std::size_t v = 1; v < begins.size(); ++v) begins[v] += begins[v - 1];
-  std::vector<std::uint32_t> slots(begins.back());
+    if (cut.is_inside(cell)) ++ends[last_of(cell) + std::size_t{1}];
+  for (std::size_t v = 1; v < ends.size(); ++v) ends[v] += ends[v - 1];
+  std::vector<NumberedCell> cells(ends.back());
   for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
     const TetraCut::Cell& cell = cut.slots()[slot];
-    if (cut.is_inside(cell)) slots[begins[last_of(cell)]++] = slot;
+    if (!cut.is_inside(cell)) continue;
+    tetra_mt::Tetrahedron corners = cell.corners;
+    for (std::uint32_t& v : corners) v = numbers[v];
+    cells[ends[last_of(cell)]++] = {in_order(corners), slot};
   }
-  return slots;
+  auto begin = cells.begin();
+  for (std::size_t v = 0; v < n_vertices; ++v) {
+    const auto end = cells.begin() + static_cast<std::ptrdiff_t>(ends[v]);
+    std::sort(begin, end,
+              [](const NumberedCell& a, const NumberedCell& b) { return a.corners < b.corners; });
+    begin = end;
+  }
+  return cells;
 }
 
 /// Of the last cell, which is that of a slot: its faces on the boundary that are of a patch.
-void add_patch_sides(const TetraCut& cut, std::uint32_t slot, SimplexMesh& mesh) {
+void add_patch_sides(const TetraCut& cut, std::uint32_t slot,
+                     std::span<const std::uint32_t> numbers, SimplexMesh& mesh) {
   const TetraCut::Cell& cell = cut.slots()[slot];
   for (std::uint32_t corner = 0; corner < 4; ++corner) {
-    const std::uint32_t across = cell.across[corner];
+    const std::uint32_t number = mesh.tetrahedra.back()[corner];
+    const auto at =
+        std::ranges::find_if(cell.corners, [&](std::uint32_t v) { return numbers[v] == number; });
+    const std::uint32_t across = cell.across[static_cast<std::size_t>(at - cell.corners.begin())];
     if (across == kNone || cut.is_inside(cut.slots()[across])) continue;
     const std::uint32_t mark = cut.region(across);
     if (mark > 0)
@@ -159,14 +199,13 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
       return not_below(heads[field].base_error);
     return hierarchy.facts(maker, field).error;
   };
-  for (const std::uint32_t slot : sorted_cells(cut, numbers, vertex_ids.size())) {
-    auto& corners = mesh.tetrahedra.emplace_back(cut.slots()[slot].corners);
-    for (std::uint32_t& v : corners) v = numbers[v];
+  for (const auto& [corners, slot] : sorted_cells(cut, numbers, vertex_ids.size())) {
+    mesh.tetrahedra.push_back(corners);
     mesh.errors.push_back(error_of(slot, fields.measured));
     for (std::size_t i = 0; i < fields.along.size(); ++i)
       mesh.attributes[i].errors.push_back(error_of(slot, fields.along[i]));
     if (has_regions) mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
-    if (!mesh.patches.empty()) add_patch_sides(cut, slot, mesh);
+    if (!mesh.patches.empty()) add_patch_sides(cut, slot, numbers, mesh);
   }
   for (const std::uint32_t v : vertex_ids) {
     mesh.positions.push_back(hierarchy.position(v));
@@ -197,7 +236,7 @@ Result<std::vector<std::uint32_t>> fill_mesh(const tetra_mt::midpoint::MidpointC
   for (const std::uint32_t slot : slots_by_corners(cut)) {
     const auto& cell = cut.slots()[slot];
     const std::uint32_t maker = cut.maker(cell);
-    mesh.tetrahedra.push_back(cell.corners);
+    mesh.tetrahedra.push_back(in_order(cell.corners));
     mesh.errors.push_back(maker == kNone ? 0 : cut.facts(NodeId{maker}).error);
     for (std::size_t i = 0; i < fields.along.size(); ++i)
       mesh.attributes[i].errors.push_back(

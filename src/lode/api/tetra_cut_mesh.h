@@ -16,7 +16,8 @@ namespace lode {
 enum class CellErrors : std::uint8_t { own, at_hand };
 
 /// Cells of a cut, with the values and errors of fields, their vertices numbered in the order of
-/// the hierarchy's: whose numbers it returns.
+/// the hierarchy's: whose numbers it returns. Cuts of the same cells give the same mesh, bit for
+/// bit, whatever was applied and undone before.
 std::vector<std::uint32_t> fill_mesh(const tetra_mt::PackedHierarchy& hierarchy,
                                      const TetraFieldUse& fields, const tetra_mt::TetraCut& cut,
                                      CellErrors errors, SimplexMesh& mesh);

@@ -14,9 +14,10 @@ namespace lode {
 
 /// Questions to a mesh one after another: each answer is refined from the cut of the last one, with
 /// as many splits and collapses as they differ in (Cignoni, De Floriani, Magillo, Puppo, Scopigno
-/// 2004, section 4.3). Answers are those of TetraDataset's members of the same names, their cells,
-/// vertices and triangles in any order; of another field, and of the first question with tolerances
-/// in space, they begin at the base again. By one thread at a time; the dataset must outlive it.
+/// 2004, section 4.3). Answers are those of TetraDataset's members of the same names, bit for bit,
+/// but where a deadline ends them: then they are as far as refining the last one came. Of another
+/// field, and of the first question with tolerances in space, they begin at the base again.
+/// By one thread at a time; the dataset must outlive it.
 class TetraSession {
  public:
   explicit TetraSession(const TetraDataset& dataset);
