@@ -189,6 +189,31 @@ TEST_F(camera_file, holds_a_whole_path) {
   EXPECT_NEAR(length(last.eye - last.target), length(bounds.upper - bounds.lower) / 2, 1e-9);
 }
 
+TEST(camera_path, has_all_of_a_box_in_sight) {
+  for (const Vec3d& size : {Vec3d{{30, 30, 5}}, {{2, 9, 40}}, {{1, 1, 1}}, {{9, 0, 0}}}) {
+    const Box3d bounds{{{-3, 2, 7}}, Vec3d{{-3, 2, 7}} + size};
+    for (const double aspect : {0.5, 1.0, 4.0 / 3}) {
+      double largest = 0;  // 1 at the frame
+      for (const Camera& camera : orbit_path(bounds, aspect)) {
+        const CameraAxes axes = axes_of(camera);
+        const double slope = std::tan(camera.field_of_view_deg / 2 * std::numbers::pi / 180);
+        for (int corner = 0; corner < 8; ++corner) {
+          Vec3d p = bounds.lower;
+          for (std::size_t k = 0; k < 3; ++k)
+            if ((corner >> k & 1) != 0) p[k] = bounds.upper[k];
+          const Vec3d seen = p - camera.eye;
+          const double depth = dot(seen, axes.forward);
+          ASSERT_GT(depth, 0);
+          largest = std::max({largest, std::abs(dot(seen, axes.up)) / (depth * slope),
+                              std::abs(dot(seen, axes.right)) / (depth * slope * aspect)});
+        }
+      }
+      EXPECT_LE(largest, 1);
+      EXPECT_GE(largest, 0.85);
+    }
+  }
+}
+
 TEST_F(camera_file, names_the_frame_of_a_path_that_is_wrong) {
   for (const char* text :
        {"[]", "{}", "[3]", "x", R"([{"eye": [0, 0, 0], "target": [0, 0, 0]}])"}) {
