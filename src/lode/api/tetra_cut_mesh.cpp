@@ -71,45 +71,72 @@ tetra_mt::Tetrahedron in_order(tetra_mt::Tetrahedron corners) {
   order(corners[0], corners[2]);
   order(corners[1], corners[3]);
   order(corners[1], corners[2]);
-  if (is_turned) std::swap(corners[2], corners[3]);
+  const std::uint32_t both = is_turned ? corners[2] ^ corners[3] : 0;
+  corners[2] ^= both;
+  corners[3] ^= both;
   return corners;
+}
+
+/// Slots of the cells of a cut by the last of the numbers that their corners get, and where those
+/// of each number end: cells that are near come near.
+struct SlotsByLast {
+  std::vector<std::uint32_t> slots;
+  std::vector<std::uint32_t> ends;
+};
+
+SlotsByLast sorted_slots(const TetraCut& cut, std::span<const std::uint32_t> numbers,
+                         std::size_t n_vertices) {
+  const auto last_of = [&](const TetraCut::Cell& cell) {
+    std::uint32_t last = 0;
+    for (const std::uint32_t v : cell.corners) last = std::max(last, numbers[v]);
+    return last;
+  };
+  SlotsByLast sorted{.slots = {}, .ends = std::vector<std::uint32_t>(n_vertices + 1, 0)};
+  std::vector<std::uint32_t>& ends = sorted.ends;  // of those before, while they are filled
+  for (const TetraCut::Cell& cell : cut.slots())
+    if (cut.is_inside(cell)) ++ends[last_of(cell) + std::size_t{1}];
+  for (std::size_t v = 1; v < ends.size(); ++v) ends[v] += ends[v - 1];
+  sorted.slots.resize(ends.back());
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
+    if (cut.is_inside(cell)) sorted.slots[ends[last_of(cell)]++] = slot;
+  }
+  return sorted;
 }
 
 /// A cell in_order() of the numbers that its corners get, and where the cut has it.
 struct NumberedCell {
   tetra_mt::Tetrahedron corners;
   std::uint32_t slot;
+
+  [[nodiscard]] bool is_before(const NumberedCell& other) const {
+    const auto pair = [](std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32U | b; };
+    const std::uint64_t mine = pair(corners[0], corners[1]);
+    const std::uint64_t theirs = pair(other.corners[0], other.corners[1]);
+    return mine != theirs ? mine < theirs
+                          : pair(corners[2], corners[3]) < pair(other.corners[2], other.corners[3]);
+  }
 };
 
-/// The cells of a cut by the last of their corners, then by the others: those that are near come
-/// near, whatever the order in which they were made.
-std::vector<NumberedCell> sorted_cells(const TetraCut& cut, std::span<const std::uint32_t> numbers,
-                                       std::size_t n_vertices) {
-  const auto last_of = [&](const TetraCut::Cell& cell) {
-    std::uint32_t last = 0;
-    for (const std::uint32_t v : cell.corners) last = std::max(last, numbers[v]);
-    return last;
-  };
-  std::vector<std::uint32_t> ends(n_vertices + 1, 0);  // of those before, to be filled
-  for (const TetraCut::Cell& cell : cut.slots())
-    if (cut.is_inside(cell)) ++ends[last_of(cell) + std::size_t{1}];
-  for (std::size_t v = 1; v < ends.size(); ++v) ends[v] += ends[v - 1];
-  std::vector<NumberedCell> cells(ends.back());
-  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
-    const TetraCut::Cell& cell = cut.slots()[slot];
-    if (!cut.is_inside(cell)) continue;
-    tetra_mt::Tetrahedron corners = cell.corners;
-    for (std::uint32_t& v : corners) v = numbers[v];
-    cells[ends[last_of(cell)]++] = {in_order(corners), slot};
-  }
-  auto begin = cells.begin();
+/// Visits the cells of a cut by the last of their corners, then by the others: the same order, in
+/// whatever order they were made.
+template <typename Visit>
+void visit_cells(const TetraCut& cut, std::span<const std::uint32_t> numbers,
+                 std::size_t n_vertices, const Visit& visit) {
+  const SlotsByLast sorted = sorted_slots(cut, numbers, n_vertices);
+  std::vector<NumberedCell> near;
+  std::size_t next = 0;
   for (std::size_t v = 0; v < n_vertices; ++v) {
-    const auto end = cells.begin() + static_cast<std::ptrdiff_t>(ends[v]);
-    std::sort(begin, end,
-              [](const NumberedCell& a, const NumberedCell& b) { return a.corners < b.corners; });
-    begin = end;
+    near.clear();
+    for (; next < sorted.ends[v]; ++next) {
+      const std::uint32_t slot = sorted.slots[next];
+      tetra_mt::Tetrahedron corners = cut.slots()[slot].corners;
+      for (std::uint32_t& corner : corners) corner = numbers[corner];
+      near.push_back({in_order(corners), slot});
+    }
+    std::ranges::sort(near, [](const auto& a, const auto& b) { return a.is_before(b); });
+    for (const NumberedCell& cell : near) visit(cell);
   }
-  return cells;
 }
 
 /// Of the last cell, which is that of a slot: its faces on the boundary that are of a patch.
@@ -199,14 +226,15 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
       return not_below(heads[field].base_error);
     return hierarchy.facts(maker, field).error;
   };
-  for (const auto& [corners, slot] : sorted_cells(cut, numbers, vertex_ids.size())) {
-    mesh.tetrahedra.push_back(corners);
+  visit_cells(cut, numbers, vertex_ids.size(), [&](const NumberedCell& cell) {
+    const std::uint32_t slot = cell.slot;
+    mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(error_of(slot, fields.measured));
     for (std::size_t i = 0; i < fields.along.size(); ++i)
       mesh.attributes[i].errors.push_back(error_of(slot, fields.along[i]));
     if (has_regions) mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
     if (!mesh.patches.empty()) add_patch_sides(cut, slot, numbers, mesh);
-  }
+  });
   for (const std::uint32_t v : vertex_ids) {
     mesh.positions.push_back(hierarchy.position(v));
     mesh.values.push_back(hierarchy.value(v, fields.measured));
