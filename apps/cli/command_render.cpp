@@ -13,6 +13,7 @@
 #include "render_tetra.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
+#include "tetra_picture.h"
 #include "text.h"
 #include "tolerance.h"
 #include "vtk_import.h"
@@ -84,15 +85,9 @@ Result<RenderOptions> to_render_options(const RenderArguments& arguments) {
 }
 
 TetraPictureJob tetra_job(const RenderArguments& arguments, const RenderOptions& options) {
-  return {arguments.input,
-          arguments.output,
-          arguments.camera,
-          arguments.save_camera,
-          arguments.extraction,
-          arguments.reading,
-          arguments.tetra,
-          arguments.path.max_error_px,
-          options,
+  return {arguments.input,          arguments.output,     arguments.camera,
+          arguments.save_camera,    arguments.extraction, arguments.reading,
+          arguments.tetra,          arguments.path,       options,
           arguments.samples.empty()};
 }
 
@@ -110,9 +105,8 @@ TerrainPictureJob terrain_job(const RenderArguments& arguments, const RenderOpti
 }
 
 Result<void> check_tetra_render(const RenderArguments& arguments) {
-  if (arguments.progressive.is_wanted() || arguments.path.is_wanted())
-    return fail("{}: expected no --progressive or --camera-path with a mesh of cells",
-                arguments.input);
+  if (arguments.progressive.is_wanted())
+    return fail("{}: expected no --progressive with a mesh of cells", arguments.input);
   LODE_TRY(const RenderOptions options, to_render_options(arguments));
   return check_tetra_picture(tetra_job(arguments, options));
 }
@@ -299,6 +293,7 @@ Command add_render_command(CLI::App& program) {
       "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200\n"
       "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000\n"
       "  lode render wing.lode tip.png --boundary --camera tip.json --threshold 2:3\n"
+      "  lode render wing.lode first.png --isovalue 2.1 --camera-path orbit --frames film\n"
       "  lode render dem.tif map.png --top --contours 100");
   app->add_option("file", arguments->input,
                   ".lode file, a volume or mesh to build in memory, or terrain")

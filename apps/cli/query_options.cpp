@@ -159,7 +159,7 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments) {
       "--mesh N cells as they are written; without --max-error, as accurate as they allow");
   add("--deadline-ms", arguments.deadline_ms, "T",
       "The best answer that is ready T milliseconds after the file is open; of a picture its mesh, "
-      "which is drawn after that");
+      "which is drawn after that, of a moving camera each frame's");
 }
 
 void add_query_options(CLI::App& app, QueryArguments& arguments) {
@@ -217,10 +217,10 @@ Result<std::optional<double>> to_deadline(const QueryArguments& arguments) {
 }
 
 Result<void> add_space_tolerances(const QueryArguments& arguments, Query& query) {
-  if (!arguments.max_error_px.empty() && arguments.view.empty())
+  if (!arguments.max_error_px.empty() && !query.view)
     return fail(
-        "--max-error-px: expected --view with it, or of a picture --camera, which says how large "
-        "pixels are");
+        "--max-error-px: expected --view with it, or of a picture --camera or --camera-path, which "
+        "says how large pixels are");
   LODE_TRY(query.max_error_px, parse_limit("--max-error-px", arguments.max_error_px));
   LODE_TRY(query.max_world_error, parse_limit("--max-space-error", arguments.max_space_error));
   const bool is_in_space = !query.max_error && (query.max_error_px || query.max_world_error);

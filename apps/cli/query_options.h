@@ -60,7 +60,7 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<View> to_view(const QueryArguments& arguments);
 /// With the camera of --view, from its file.
 [[nodiscard]] Result<View> read_view(const QueryArguments& arguments);
-/// Of --max-error-px, in pixels of the view, which there must be, and of --max-space-error.
+/// Of --max-error-px, in pixels of the query's view, which there must be, and of --max-space-error.
 [[nodiscard]] Result<void> add_space_tolerances(const QueryArguments& arguments, Query& query);
 /// Of --deadline-ms, in seconds.
 [[nodiscard]] Result<std::optional<double>> to_deadline(const QueryArguments& arguments);

@@ -43,17 +43,23 @@ void add_path_options(CLI::App& app, PathArguments& arguments) {
   add("--camera-path", arguments.path, "PATH",
       "orbit, fly-in, jump, or a JSON file with an array of cameras");
   add("--frames", arguments.frames, "DIR",
-      "Draw a frame for each camera, frame-0000.png and so on, to a new or empty directory");
+      "Draw a frame for each camera, frame-0000.png and so on, to a new or empty directory; of a "
+      "mesh of cells each is the picture with that --camera, its mesh refined from the last one's, "
+      "and OUT.png without --camera the first");
   add("--max-error-px", arguments.max_error_px, "P",
-      "Tolerance of these frames in pixels, by an estimate of distances (default: 1); of a picture "
-      "of terrain, proven, by a model whose tolerances vary; of one of a mesh of cells built with "
-      "--space-errors, by an estimate, with --camera or --view");
+      "Tolerance of these frames in pixels, by an estimate of distances (default of a volume's: "
+      "1); of a picture of terrain, proven, by a model whose tolerances vary; of one of a mesh of "
+      "cells built with --space-errors, by an estimate, with --camera, --camera-path or --view");
+}
+
+Result<void> check_path_and_frames(const PathArguments& arguments) {
+  if (arguments.path.empty() == arguments.frames.empty()) return {};
+  return fail("{}: expected {} with it", arguments.path.empty() ? "--frames" : "--camera-path",
+              arguments.path.empty() ? "--camera-path" : "--frames");
 }
 
 Result<void> check_path(const PathArguments& arguments, const ExtractionArguments& extraction) {
-  if (arguments.path.empty() != arguments.frames.empty())
-    return fail("{}: expected {} with it", arguments.path.empty() ? "--frames" : "--camera-path",
-                arguments.path.empty() ? "--camera-path" : "--frames");
+  LODE_CHECK(check_path_and_frames(arguments));
   LODE_CHECK(parse_pixels(arguments.max_error_px));
   if (!arguments.is_wanted() && !arguments.max_error_px.empty())
     return fail("--max-error-px: expected --camera-path with it, terrain or a mesh of cells");

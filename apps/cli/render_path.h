@@ -16,12 +16,14 @@ struct PathArguments {
 };
 
 void add_path_options(CLI::App& app, PathArguments& arguments);
-/// Looks at the arguments alone.
+/// Refuses a path without frames, and frames without a path.
+[[nodiscard]] Result<void> check_path_and_frames(const PathArguments& arguments);
+/// Of a volume; looks at the arguments alone.
 [[nodiscard]] Result<void> check_path(const PathArguments& arguments,
                                       const ExtractionArguments& extraction);
 
-/// The part of `lode render` that follows a camera: a frame for each of its places, the surface
-/// refined from one to the next as far as it is seen.
+/// The part of `lode render` of a volume that follows a camera: a frame for each of its places, the
+/// surface refined from one to the next as far as it is seen.
 struct PathJob {
   const PathArguments& arguments;
   const OutputFolder& folder;

@@ -1,9 +1,13 @@
 #include "render_tetra.h"
 
-#include <utility>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "output_folder.h"
 #include "outputs.h"
-#include "stopwatch.h"
+#include "render_path.h"
+#include "render_tetra_path.h"
 #include "tetra_input.h"
 #include "tetra_query_options.h"
 #include "text.h"
@@ -11,72 +15,48 @@
 namespace lode::cli {
 namespace {
 
-constexpr double kBoundaryOpacity = 0.12;
-constexpr double kWireWidth = 1;
-constexpr int kVolumeSamples = 4;  // A volume alone has soft edges but for its border.
-
-/// Without another, the view is that of the picture's camera: what it does not show may be coarse.
-/// Not of a deformed mesh, whose cells are where the hierarchy does not know.
-QueryArguments with_own_view(const TetraPictureJob& job) {
-  QueryArguments arguments = job.picture.query;
-  arguments.max_error_px = job.max_error_px;
-  if (!arguments.view.empty() || job.camera.empty() || arguments.warp.is_wanted()) return arguments;
-  arguments.view = job.camera;
-  arguments.view_size = fmt::format("{}x{}", job.options.width, job.options.height);
-  return arguments;
-}
-
-/// What of the mesh is wanted, and what is shown.
-Result<TetraMeshOptions> to_picture_query(const TetraPictureJob& job,
-                                          const MeshPictureOptions& picture) {
-  LODE_CHECK(check_view_size(job.picture.query));
-  LODE_TRY(TetraMeshOptions options,
-           to_tetra_query(with_own_view(job), job.extraction, "mesh of cells"));
-  Query shown = query_of(picture);
-  options.query.isovalues = std::move(shown.isovalues);
-  options.query.opacity = std::move(shown.opacity);
-  options.query.sections = std::move(shown.sections);
-  LODE_CHECK(check_outside(options.query));
-  return options;
-}
-
-/// But for what the transfer function is, which may need the mesh.
-Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
-  MeshPictureOptions options;
-  LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
-  options.render = job.options;
-  if (job.is_default_samples && extraction.isovalues.empty() &&
-      job.picture.query.sections.empty() && !job.picture.has_wireframe && !job.picture.has_points)
-    options.render.samples_per_pixel = kVolumeSamples;
-  options.isovalues = extraction.isovalues;
-  options.has_wireframe = job.picture.has_wireframe;
-  options.has_points = job.picture.has_points;
-  options.boundary_opacity = job.picture.has_boundary ? kBoundaryOpacity : 0;
-  if (options.has_wireframe) options.render.line_width_px = kWireWidth;
-  LODE_TRY(options.sections, to_planes(job.picture.query));
-  if (!job.picture.query.opacity.empty()) options.opacity = TransferFunction{{TransferKnot{}}};
-  return options;
-}
-
 std::vector<std::string> outputs_of(const TetraPictureJob& job) {
   return job.save_camera.empty() ? std::vector{job.output}
                                  : std::vector{job.output, job.save_camera};
 }
 
-/// How the picture came to be.
-struct TetraPicture {
-  MeshReport mesh{};
-  MeshPictureReport picture{};
-  bool has_outside = false;  ///< Some of the mesh is out of sight, or has a tolerance of its own.
-  bool is_left_out = false;  ///< Some of it may be, by a threshold or regions.
+/// The cameras of --camera-path; none without it. `bounds`: of the mesh.
+Result<std::vector<Camera>> path_cameras(const TetraPictureJob& job, const Box3d& bounds) {
+  if (!job.path.is_wanted()) return std::vector<Camera>{};
+  return camera_path(job.path.path, bounds,
+                     static_cast<double>(job.options.width) / job.options.height);
+}
+
+/// The picture's: that of --camera, or the first of a path. None: all of the mesh is shown.
+Result<std::optional<Camera>> picture_camera(const TetraPictureJob& job,
+                                             const std::vector<Camera>& path) {
+  if (!job.camera.empty()) {
+    LODE_TRY(const Camera camera, read_camera(job.camera));
+    return std::optional(camera);
+  }
+  return path.empty() ? std::nullopt : std::optional(path.front());
+}
+
+/// All that there is to tell.
+struct TetraPictures {
+  const TetraPicturePlan& plan;
+  const TetraPicture& picture;
+  const Json& path;  ///< Null without one.
 };
 
-Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
-                        const TetraPicture& made, const Session& session) {
-  const TetraInfo& info = input.dataset.describe();
+/// Whether some of the mesh is out of sight, or has a tolerance of its own,
+bool has_outside(const TetraMeshOptions& wanted) {
+  return wanted.query.max_error_outside || wanted.query.view;
+}
+/// and whether some of it may be left out, by a threshold or regions.
+bool is_left_out(const TetraMeshOptions& wanted) {
+  return wanted.threshold || !wanted.regions.empty();
+}
+
+Json picture_json(const TetraPictureJob& job, const TetraInput& input, const TetraPictures& told) {
+  const auto& [plan, made, path] = told;
   const TetraFieldInfo& field = input.field();
-  Outcome outcome;
-  Json& json = outcome.json;
+  Json json;
   json["command"] = "render";
   json["input"] = job.input;
   json["outputs"] = outputs_of(job);
@@ -88,33 +68,42 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["largest_error"] = made.mesh.largest_error;
   json["error_kind"] = name_of(field.error_place);
   json["cells"] = made.mesh.n_cells;
-  json["reference_cells"] = info.n_cells;
+  json["reference_cells"] = input.dataset.describe().n_cells;
   json["triangles"] = made.picture.n_triangles;
   json["section_triangles"] = made.picture.n_section_triangles;
   json["lines"] = made.picture.n_lines;
-  if (made.is_left_out) json["left_out"] = made.mesh.n_left_out;
+  if (is_left_out(plan.wanted)) json["left_out"] = made.mesh.n_left_out;
   json["budget_met"] = made.mesh.budget_met;
   json["is_settled"] = made.mesh.is_settled;
   json["camera"] = camera_json(made.picture.camera);
+  if (!path.is_null()) json["camera_path"] = path;
   json["seconds"] = {
       {"open", input.seconds}, {"extract", made.mesh.seconds}, {"render", made.picture.seconds}};
+  return json;
+}
+
+Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
+                        const TetraPictures& told, const Session& session) {
+  const auto& [plan, made, path] = told;
+  const TetraFieldInfo& field = input.field();
+  Outcome outcome{.json = picture_json(job, input, told), .text = {}};
   Table table;
   table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
                                   format_number(field.range_max))});
-  add_reading(input, table, json);
+  add_reading(input, table, outcome.json);
   table.add({"max error", describe_max_error(made.mesh.max_error)});
   table.add({"achieved error", format_number(made.mesh.achieved_error) + ' ' +
                                    name_of(field.error_place) +
                                    (job.picture.query.opacity.empty() ? "" : kWhereShown)});
-  add_space_error(with_own_view(job), {made.mesh.achieved_world_error, made.mesh.achieved_px},
-                  table, json);
-  if (made.has_outside)
+  add_space_error(job.query(), {made.mesh.achieved_world_error, made.mesh.achieved_px}, table,
+                  outcome.json);
+  if (has_outside(plan.wanted))
     table.add({"error anywhere",
                format_number(made.mesh.largest_error) + ' ' + name_of(field.error_place)});
   add_deadline(made.mesh.is_settled, table);
-  table.add({"cells",
-             fmt::format("{} of {}", format_count(made.mesh.n_cells), format_count(info.n_cells))});
-  if (made.is_left_out) table.add({"cells left out", format_count(made.mesh.n_left_out)});
+  table.add({"cells", fmt::format("{} of {}", format_count(made.mesh.n_cells),
+                                  format_count(input.dataset.describe().n_cells))});
+  if (is_left_out(plan.wanted)) table.add({"cells left out", format_count(made.mesh.n_left_out)});
   if (made.picture.n_triangles > 0)
     table.add({"triangles", format_count(made.picture.n_triangles)});
   if (made.picture.n_section_triangles > 0)
@@ -123,52 +112,11 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
   table.add({"extract", format_seconds(made.mesh.seconds)});
   table.add({"render", format_seconds(made.picture.seconds)});
-  for (const std::string& path : outputs_of(job)) table.add({"output", path});
+  if (!path.is_null()) add_tetra_path(job, path, table);
+  for (const std::string& output : outputs_of(job)) table.add({"output", output});
   outcome.text = table.to_string();
-  json["warnings"] = session.warnings();
+  outcome.json["warnings"] = session.warnings();
   return outcome;
-}
-
-Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
-                                  Session& session) {
-  LODE_TRY(MeshPictureOptions options, to_picture(job));
-  const TetraInfo& info = input.dataset.describe();
-  options.colors = {input.field().range_min, input.field().range_max};
-  if (!job.picture.query.opacity.empty()) {
-    LODE_TRY(options.opacity,
-             to_transfer_function(job.picture.query.opacity, info.bounds, options.colors));
-    if (options.colors.low == options.colors.high)
-      session.warn(fmt::format("the field has one value, {}: its volume has one colour, or none",
-                               format_number(options.colors.low)));
-  }
-  LODE_TRY(TetraMeshOptions wanted, to_picture_query(job, options));
-  set_shares(job.extraction, job.picture.query, input.field(), wanted.query);
-  if (!job.camera.empty()) {
-    LODE_TRY(options.render.camera, read_camera(job.camera));
-  }
-  options.render.threads = wanted.threads = session.threads();
-  LODE_TRY(wanted.regions, wanted_regions(job.input, info, job.picture.query));
-  wanted.fields = input.fields;
-  TetraPicture made{.has_outside = wanted.query.max_error_outside || wanted.query.view,
-                    .is_left_out = wanted.threshold || !wanted.regions.empty()};
-  SimplexMesh mesh;
-  LODE_TRY(made.mesh, input.dataset.extract_mesh(wanted, mesh, session.progress()));
-  warn_of_budget(session, made.mesh);
-  if (mesh.is_empty())
-    session.warn(wanted.threshold ? "the picture is empty: no cell of the cut lies in the threshold"
-                                  : "the picture is empty: the mesh has no cell");
-  LODE_TRY(const std::uint64_t n_inverted,
-           apply_warp(job.picture.query.warp, job.reading, session.threads(), mesh));
-  warn_of_inverted(session, n_inverted);
-  LODE_TRY(const Image image, draw_mesh(mesh, options, made.picture, session.progress()));
-  for (const double isovalue : made.picture.unmet)
-    session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
-  OutputSet outputs(outputs_of(job));
-  LODE_CHECK(write_png(image, job.output));
-  outputs.add(job.output);
-  if (!job.save_camera.empty()) LODE_CHECK(write_camera(made.picture.camera, job.save_camera));
-  outputs.keep();
-  return made;
 }
 
 }  // namespace
@@ -198,12 +146,15 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
   LODE_CHECK(check_warp(job.picture.query.warp));
-  LODE_TRY(const MeshPictureOptions options, to_picture(job));
-  LODE_CHECK(to_picture_query(job, options));
+  LODE_CHECK(check_path_and_frames(job.path));
+  // Where a path's cameras are does not matter yet, but that there are some.
+  LODE_TRY(const std::vector<Camera> cameras, path_cameras(job, {{{0, 0, 0}}, {{1, 1, 1}}}));
+  LODE_TRY(const std::optional<Camera> camera, picture_camera(job, cameras));
+  LODE_TRY(const TetraPicturePlan plan, check_picture_plan(job, camera));
   if (!job.reading.with.empty() && !job.picture.query.warp.is_wanted())
     return fail("--with: expected none with a picture, which shows one field, got {}",
                 job.reading.with.front());
-  if (options.isovalues.empty() && !job.picture.is_of_mesh())
+  if (plan.shown.isovalues.empty() && !job.picture.is_of_mesh())
     return fail(
         "{}: expected --isovalue, --opacity, --section, --boundary, --wireframe or --points, got "
         "none",
@@ -214,16 +165,33 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   std::vector<std::string> inputs = files_of(job.picture.query);
   inputs.push_back(job.input);
   if (!job.camera.empty()) inputs.push_back(job.camera);
+  if (job.path.is_wanted()) inputs.push_back(job.path.path);
   return check_paths_differ(inputs, outputs_of(job));
 }
 
 Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) {
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
+  LODE_TRY(OutputFolder folder, OutputFolder::make(job.path.frames));
   LODE_TRY(const TetraInput input,
-           open_tetra_input(job.input, reading_for(job.reading, with_own_view(job)), session));
-  LODE_CHECK(check_space_errors(job.input, input.field(), with_own_view(job)));
-  LODE_TRY(const TetraPicture made, draw_picture(job, input, session));
-  return picture_outcome(job, input, made, session);
+           open_tetra_input(job.input, reading_for(job.reading, job.query()), session));
+  LODE_CHECK(check_space_errors(job.input, input.field(), job.query()));
+  LODE_TRY(const std::vector<Camera> cameras, path_cameras(job, input.dataset.describe().bounds));
+  LODE_TRY(const std::optional<Camera> camera, picture_camera(job, cameras));
+  LODE_TRY(const TetraPicturePlan plan, plan_picture(job, input, camera, session));
+  OutputSet outputs(outputs_of(job));
+  Json path;
+  if (!cameras.empty()) {
+    LODE_TRY(path, draw_tetra_path({job, plan, cameras, folder, input}, session, outputs));
+  }
+  TetraSession questions(input.dataset);
+  LODE_TRY(const TetraPicture made, draw_picture(job, plan, camera, questions, session));
+  for (const std::string& message : made.warnings) session.warn(message);
+  LODE_CHECK(write_png(made.image, job.output));
+  outputs.add(job.output);
+  if (!job.save_camera.empty()) LODE_CHECK(write_camera(made.picture.camera, job.save_camera));
+  outputs.keep();
+  folder.keep();
+  return picture_outcome(job, input, {plan, made, path}, session);
 }
 
 }  // namespace lode::cli

@@ -9,11 +9,13 @@
 namespace lode::cli {
 
 Result<TetraMeshOptions> to_tetra_query(const QueryArguments& arguments,
-                                        const ExtractionArguments& extraction, const char* answer) {
+                                        const ExtractionArguments& extraction, const char* answer,
+                                        const std::optional<View>& own_view) {
   LODE_CHECK(check_view_size(arguments));
   LODE_TRY(const QueryArguments plain, without_share(arguments));
   TetraMeshOptions options;
   LODE_TRY(options.query, to_query(plain, extraction, answer));
+  options.query.view = own_view;
   if (!arguments.view.empty()) {
     LODE_TRY(options.query.view, read_view(arguments));
   }

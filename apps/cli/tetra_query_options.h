@@ -15,10 +15,12 @@ namespace lode::cli {
 // What `extract` and `render` ask of a mesh of cells alike.
 
 /// The query but for what a transfer function shows and what needs the field: see set_shares() and
-/// wanted_regions(). Reads the view's camera. `answer`: what asks for it, in messages.
+/// wanted_regions(). Reads the view's camera. `answer`: what asks for it, in messages; `own_view`:
+/// the view where the arguments name none.
 [[nodiscard]] Result<TetraMeshOptions> to_tetra_query(const QueryArguments& arguments,
                                                       const ExtractionArguments& extraction,
-                                                      const char* answer);
+                                                      const char* answer,
+                                                      const std::optional<View>& own_view = {});
 
 /// Of tolerances that are shares of the range of values.
 void set_shares(const ExtractionArguments& extraction, const QueryArguments& arguments,
@@ -32,12 +34,17 @@ void set_shares(const ExtractionArguments& extraction, const QueryArguments& arg
 /// The files that the arguments name: a camera, a transfer function.
 [[nodiscard]] std::vector<std::string> files_of(const QueryArguments& arguments);
 
-/// Where the coarsest mesh has more cells than --max-cells. `Report`: of a mesh or a surface.
+/// Where the coarsest mesh has more cells than --max-cells, else empty. `Report`: of a mesh or a
+/// surface.
+template <typename Report>
+std::string budget_warning(const Report& report) {
+  if (report.budget_met) return {};
+  return fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
+                     report.n_cut_cells);
+}
 template <typename Report>
 void warn_of_budget(Session& session, const Report& report) {
-  if (!report.budget_met)
-    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
-                             report.n_cut_cells));
+  if (const std::string message = budget_warning(report); !message.empty()) session.warn(message);
 }
 /// Of refinement that a deadline ended.
 void add_deadline(bool is_settled, Table& table);

@@ -90,9 +90,13 @@ Result<std::uint64_t> apply_warp(const WarpArguments& arguments, const ReadingAr
   return n_inverted;
 }
 
+std::string inverted_warning(std::uint64_t n_inverted) {
+  return n_inverted == 0 ? std::string()
+                         : fmt::format("--warp: {} cells are flat or turned round", n_inverted);
+}
+
 void warn_of_inverted(Session& session, std::uint64_t n_inverted) {
-  if (n_inverted > 0)
-    session.warn(fmt::format("--warp: {} cells are flat or turned round", n_inverted));
+  if (n_inverted > 0) session.warn(inverted_warning(n_inverted));
 }
 
 Result<void> apply_warp(const WarpArguments& arguments, const ReadingArguments& reading,

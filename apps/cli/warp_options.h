@@ -31,6 +31,8 @@ void add_warp_options(CLI::App& app, WarpArguments& arguments);
 [[nodiscard]] Result<std::uint64_t> apply_warp(const WarpArguments& arguments,
                                                const ReadingArguments& reading, Threads threads,
                                                SimplexMesh& mesh);
+/// Empty where none was.
+[[nodiscard]] std::string inverted_warning(std::uint64_t n_inverted);
 void warn_of_inverted(Session& session, std::uint64_t n_inverted);
 [[nodiscard]] Result<void> apply_warp(const WarpArguments& arguments,
                                       const ReadingArguments& reading, Surface& surface);

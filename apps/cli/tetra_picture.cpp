@@ -1,0 +1,112 @@
+#include "tetra_picture.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "tetra_query_options.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr double kBoundaryOpacity = 0.12;
+constexpr double kWireWidth = 1;
+constexpr int kVolumeSamples = 4;  // A volume alone has soft edges but for its border.
+
+/// What is seen through the camera, where that is what the mesh is asked for.
+std::optional<View> own_view(const TetraPictureJob& job, const std::optional<Camera>& camera) {
+  if (!camera || !job.has_own_view()) return std::nullopt;
+  return View{*camera, job.options.width, job.options.height};
+}
+
+/// What of the mesh is wanted for what is shown.
+Result<TetraMeshOptions> to_picture_query(const TetraPictureJob& job,
+                                          const std::optional<Camera>& camera,
+                                          const MeshPictureOptions& picture) {
+  LODE_TRY(TetraMeshOptions options,
+           to_tetra_query(job.query(), job.extraction, "mesh of cells", own_view(job, camera)));
+  Query shown = query_of(picture);
+  options.query.isovalues = std::move(shown.isovalues);
+  options.query.opacity = std::move(shown.opacity);
+  options.query.sections = std::move(shown.sections);
+  LODE_CHECK(check_outside(options.query));
+  return options;
+}
+
+/// But for what the transfer function is, which may need the mesh.
+Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
+  MeshPictureOptions options;
+  LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
+  options.render = job.options;
+  if (job.is_default_samples && extraction.isovalues.empty() &&
+      job.picture.query.sections.empty() && !job.picture.has_wireframe && !job.picture.has_points)
+    options.render.samples_per_pixel = kVolumeSamples;
+  options.isovalues = extraction.isovalues;
+  options.has_wireframe = job.picture.has_wireframe;
+  options.has_points = job.picture.has_points;
+  options.boundary_opacity = job.picture.has_boundary ? kBoundaryOpacity : 0;
+  if (options.has_wireframe) options.render.line_width_px = kWireWidth;
+  LODE_TRY(options.sections, to_planes(job.picture.query));
+  if (!job.picture.query.opacity.empty()) options.opacity = TransferFunction{{TransferKnot{}}};
+  return options;
+}
+
+}  // namespace
+
+Result<TetraPicturePlan> check_picture_plan(const TetraPictureJob& job,
+                                            const std::optional<Camera>& camera) {
+  TetraPicturePlan plan;
+  LODE_TRY(plan.shown, to_picture(job));
+  LODE_TRY(plan.wanted, to_picture_query(job, camera, plan.shown));
+  return plan;
+}
+
+Result<TetraPicturePlan> plan_picture(const TetraPictureJob& job, const TetraInput& input,
+                                      const std::optional<Camera>& camera, Session& session) {
+  const TetraInfo& info = input.dataset.describe();
+  TetraPicturePlan plan;
+  LODE_TRY(plan.shown, to_picture(job));
+  plan.shown.colors = {input.field().range_min, input.field().range_max};
+  if (!job.picture.query.opacity.empty()) {
+    LODE_TRY(plan.shown.opacity,
+             to_transfer_function(job.picture.query.opacity, info.bounds, plan.shown.colors));
+    if (plan.shown.colors.low == plan.shown.colors.high)
+      session.warn(fmt::format("the field has one value, {}: its volume has one colour, or none",
+                               format_number(plan.shown.colors.low)));
+  }
+  LODE_TRY(plan.wanted, to_picture_query(job, camera, plan.shown));
+  set_shares(job.extraction, job.picture.query, input.field(), plan.wanted.query);
+  plan.shown.render.threads = plan.wanted.threads = session.threads();
+  LODE_TRY(plan.wanted.regions, wanted_regions(job.input, info, job.picture.query));
+  plan.wanted.fields = input.fields;
+  return plan;
+}
+
+Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraPicturePlan& plan,
+                                  const std::optional<Camera>& camera, TetraSession& questions,
+                                  Session& session) {
+  TetraMeshOptions wanted = plan.wanted;
+  if (const auto view = own_view(job, camera)) wanted.query.view = view;
+  MeshPictureOptions shown = plan.shown;
+  shown.render.camera = camera;
+  TetraPicture made;
+  const auto warn = [&made](std::string message) {
+    if (!message.empty()) made.warnings.push_back(std::move(message));
+  };
+  SimplexMesh mesh;
+  LODE_TRY(made.mesh, questions.extract_mesh(wanted, mesh, session.progress()));
+  warn(budget_warning(made.mesh));
+  if (mesh.is_empty())
+    warn(wanted.threshold ? "the picture is empty: no cell of the cut lies in the threshold"
+                          : "the picture is empty: the mesh has no cell");
+  LODE_TRY(const std::uint64_t n_inverted,
+           apply_warp(job.picture.query.warp, job.reading, session.threads(), mesh));
+  warn(inverted_warning(n_inverted));
+  LODE_TRY(made.image, draw_mesh(mesh, shown, made.picture, session.progress()));
+  for (const double isovalue : made.picture.unmet)
+    warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
+  return made;
+}
+
+}  // namespace lode::cli
