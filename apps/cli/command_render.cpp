@@ -131,7 +131,7 @@ Result<void> check_render(const RenderArguments& arguments, const CLI::App& app)
   if (auto options = to_render_options(arguments); !options) return options.error();
   LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));
   LODE_CHECK(to_frames_per_step(arguments.progressive));
-  LODE_CHECK(check_path(arguments.path, arguments.extraction));
+  LODE_CHECK(check_path(arguments.path, arguments.outputs(), arguments.extraction));
   return check_paths_differ(arguments.inputs(), arguments.outputs());
 }
 

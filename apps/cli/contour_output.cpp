@@ -16,9 +16,10 @@ namespace {
 std::string contour_comment(const TerrainAnswerer& answerer) {
   const TerrainReport& report = answerer.tin.report();
   const std::string& crs = written_crs(answerer.opened, answerer.target);
-  return fmt::format("Lode {}: contours of {}, max_error {}, achieved_error {} at samples{}",
+  return fmt::format("Lode {}: contours of {}, max_error {}, achieved_error {} at samples{}{}",
                      LODE_VERSION, name_of(answerer.opened.model), report.max_error,
-                     report.achieved_error, crs.empty() ? "" : ", CRS " + crs);
+                     report.achieved_error, answerer.target ? " of its source" : "",
+                     crs.empty() ? "" : ", CRS " + crs);
 }
 
 /// Whole numbers below all coordinates, so that floats hold these as well as they can.

@@ -137,7 +137,7 @@ std::string summary_of(const TerrainReport& report, const OpenedTerrain& opened,
       report.view && report.view->max_error_px
           ? fmt::format("max_error_px {} in view", *report.view->max_error_px)
           : fmt::format("max_error {}", report.max_error);
-  return fmt::format("Lode {}: {}{}, {}, achieved_error {} at samples{}", LODE_VERSION,
+  return fmt::format("Lode {}: {}{}, {}, achieved_error {}{} at samples", LODE_VERSION,
                      name_of(opened.model),
                      order == InsertionOrder::tiles ? ", insertion tiles" : "", tolerance,
                      report.achieved_error, unit.empty() ? "" : " " + unit);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
+
 #include "lode/api/live_query.h"
 #include "parse.h"
 #include "stopwatch.h"
@@ -52,14 +55,27 @@ void add_path_options(CLI::App& app, PathArguments& arguments) {
       "cells built with --space-errors, by an estimate, with --camera, --camera-path or --view");
 }
 
-Result<void> check_path_and_frames(const PathArguments& arguments) {
-  if (arguments.path.empty() == arguments.frames.empty()) return {};
-  return fail("{}: expected {} with it", arguments.path.empty() ? "--frames" : "--camera-path",
-              arguments.path.empty() ? "--camera-path" : "--frames");
+Result<void> check_path_and_frames(const PathArguments& arguments,
+                                   const std::vector<std::string>& outputs) {
+  if (arguments.path.empty() != arguments.frames.empty())
+    return fail("{}: expected {} with it", arguments.path.empty() ? "--frames" : "--camera-path",
+                arguments.path.empty() ? "--camera-path" : "--frames");
+  if (arguments.frames.empty()) return {};
+  const auto place_of = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    const std::filesystem::path place = std::filesystem::weakly_canonical(path, ignored);
+    return place.has_filename() ? place : place.parent_path();
+  };
+  for (const std::string& output : outputs)
+    if (place_of(output).parent_path() == place_of(arguments.frames))
+      return fail("--frames: expected a directory for frames alone, got {}, which {} is in",
+                  arguments.frames, output);
+  return {};
 }
 
-Result<void> check_path(const PathArguments& arguments, const ExtractionArguments& extraction) {
-  LODE_CHECK(check_path_and_frames(arguments));
+Result<void> check_path(const PathArguments& arguments, const std::vector<std::string>& outputs,
+                        const ExtractionArguments& extraction) {
+  LODE_CHECK(check_path_and_frames(arguments, outputs));
   LODE_CHECK(parse_pixels(arguments.max_error_px));
   if (!arguments.is_wanted() && !arguments.max_error_px.empty())
     return fail("--max-error-px: expected --camera-path with it, terrain or a mesh of cells");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "extraction_options.h"
 #include "input.h"
 #include "output_folder.h"
 #include "outputs.h"
@@ -17,9 +18,12 @@ struct PathArguments {
 
 void add_path_options(CLI::App& app, PathArguments& arguments);
 /// Refuses a path without frames, and frames without a path.
-[[nodiscard]] Result<void> check_path_and_frames(const PathArguments& arguments);
+/// `outputs`: other files, which must not be among the frames.
+[[nodiscard]] Result<void> check_path_and_frames(const PathArguments& arguments,
+                                                 const std::vector<std::string>& outputs);
 /// Of a volume; looks at the arguments alone.
 [[nodiscard]] Result<void> check_path(const PathArguments& arguments,
+                                      const std::vector<std::string>& outputs,
                                       const ExtractionArguments& extraction);
 
 /// The part of `lode render` of a volume that follows a camera: a frame for each of its places, the

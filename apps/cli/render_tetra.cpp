@@ -146,7 +146,7 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
   LODE_CHECK(check_warp(job.picture.query.warp));
-  LODE_CHECK(check_path_and_frames(job.path));
+  LODE_CHECK(check_path_and_frames(job.path, outputs_of(job)));
   // Where a path's cameras are does not matter yet, but that there are some.
   LODE_TRY(const std::vector<Camera> cameras, path_cameras(job, {{{0, 0, 0}}, {{1, 1, 1}}}));
   LODE_TRY(const std::optional<Camera> camera, picture_camera(job, cameras));

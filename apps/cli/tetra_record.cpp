@@ -11,7 +11,7 @@ namespace lode::cli {
 namespace {
 
 struct CountName {
-  const char* key;
+  std::string_view key;
   const char* name;
   std::uint64_t TetraReport::*n;
   std::uint64_t usual = 0;  ///< Not worth a row.
@@ -85,7 +85,7 @@ std::vector<TetraBuildRecord::Note> notes_of(const TetraReport& report) {
 void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
   for (const CountName& count : kCounts) {
     const std::uint64_t n = report.*count.n;
-    json[count.key] = n;
+    json[std::string(count.key)] = n;
     if (n > count.usual) table.add({count.name, format_count(n)});
   }
   add_nonfinite(report, json);
@@ -102,10 +102,10 @@ void keep_reading(const TetraReport& report, TetraBuildOptions& options) {
 
 void add_kept_reading(const TetraBuildRecord& record, Table& table, Json& json) {
   json["reading"] = Json::object();
-  for (const auto& [key, n] : record.reading) {
+  for (const TetraBuildRecord::Count& counted : record.reading) {
+    const auto& [key, n] = counted;
     json["reading"][key] = n;
-    const auto* const known = std::ranges::find_if(
-        kCounts, [&](const CountName& count) { return std::string_view(count.key) == key; });
+    const auto* const known = std::ranges::find(kCounts, std::string_view(key), &CountName::key);
     const bool is_known = known != kCounts.end();
     if (n > (is_known ? known->usual : 0))
       table.add({is_known ? known->name : key, format_count(n)});

@@ -193,6 +193,10 @@ TEST_F(cli_tetra_path, refuses_what_makes_no_sense_and_leaves_nothing) {
   expect_refused({"--boundary", "--frames", frames_}, {"--frames", "--camera-path"});
   expect_refused({"--boundary", "--max-error-px", "1"}, {"--max-error-px", "--camera-path"});
   expect_refused({"--boundary", "--camera-path", "orbit", "--frames", scratch_.path()},
+                 {"frames alone", output_});
+  std::filesystem::create_directory(scratch_ / "full");
+  write_bytes(scratch_ / "full/frame-0000.png", "an older one");
+  expect_refused({"--boundary", "--camera-path", "orbit", "--frames", scratch_ / "full"},
                  {"empty directory"});
   expect_refused({"--camera-path", "orbit", "--frames", frames_}, {"--isovalue", "--boundary"});
   expect_refused({"--boundary", "--camera-path", "zigzag", "--frames", frames_}, {"zigzag"});

@@ -127,6 +127,9 @@ TEST(target_crs, refuses_what_is_not_one_of_x_and_y) {
         << with_heights << reason("EPSG:4326", with_heights);
   EXPECT_NE(reason("EPSG:4326", "EPSG:4978").find("geocentric"), std::string::npos);
   EXPECT_NE(reason("EPSG:4326", "utm").find("WKT"), std::string::npos);
+  EXPECT_NE(reason("EPSG:4156", "EPSG:5513").find("EPSG:5514"), std::string::npos)
+      << reason("EPSG:4156", "EPSG:5513");
+  EXPECT_EQ(reason("EPSG:4156", "EPSG:5514"), "");
   EXPECT_NE(reason("EPSG:4326", R"(LOCAL_CS["site",UNIT["metre",1]])").find("no place"),
             std::string::npos);
   EXPECT_NE(reason("", "EPSG:32632").find("--crs"), std::string::npos);
@@ -429,6 +432,34 @@ TEST(mapped_distance, is_along_what_a_segment_becomes) {
   EXPECT_EQ(metric.metres(), 0.5);
   metric.map = std::make_shared<const FunctionMap>([](const Place&) { return Place{{NAN, NAN}}; });
   EXPECT_TRUE(std::isnan(metric.distance({{0, 0}}, {{2, 2}})));
+}
+
+TEST(mapped_distance, is_none_where_the_map_jumps) {
+  HorizontalMetric metric{.is_known = true};
+  metric.elsewhere = std::make_shared<const HorizontalMetric>(HorizontalMetric{.is_known = true});
+  for (const double jump : {0.5, 20.0, 4e7}) {
+    metric.map = std::make_shared<const FunctionMap>([&](const Place& p) {
+      return Place{{p[0] + (p[0] > 0.3 ? jump : 0), p[1]}};
+    });
+    EXPECT_TRUE(std::isnan(metric.distance({{-2, 0}}, {{2, 1}}))) << jump;
+    EXPECT_NEAR(metric.distance({{-2, 0}}, {{0.25, 1}}), std::hypot(2.25, 1), 1e-12) << jump;
+  }
+  // Places that are one but for rounding.
+  metric.map = std::make_shared<const FunctionMap>([&](const Place& p) {
+    return Place{{p[0] + 1e-9 * std::sin(1e9 * p[0]), p[1]}};
+  });
+  EXPECT_NEAR(metric.distance({{1, 0}}, {{1 + 1e-9, 0}}), 1e-9, 1e-6);
+  // Mercator's scale grows without bound, but does not jump.
+  const TargetCrs mercator = open_target("EPSG:4326", "EPSG:3857");
+  HorizontalMetric degrees{
+      .is_known = true, .ellipsoid = kWgs84Ellipsoid, .angle_unit = std::numbers::pi / 180};
+  degrees.elsewhere = std::make_shared<const HorizontalMetric>(mercator.metric);
+  degrees.map = mercator.map;
+  const double radius = kWgs84Ellipsoid.semi_major;
+  const double north = radius * std::asinh(std::tan(89.5 * std::numbers::pi / 180));
+  EXPECT_NEAR(degrees.distance({{10, 0}}, {{10, 89.5}}), north, 1e-3);
+  EXPECT_NEAR(degrees.distance({{10, 50}}, {{10.001, 50}}), radius * 0.001 * std::numbers::pi / 180,
+              1e-6);
 }
 
 TEST(mapped_distance, crosses_where_longitudes_jump) {

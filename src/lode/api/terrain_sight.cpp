@@ -70,14 +70,15 @@ class SightWay {
     const HorizontalMetric& metric = tin_.metric;
     if (!metric.ellipsoid && !metric.map) return 1;
     const double longer = std::max(std::abs(way[0]), std::abs(way[1]));
-    return std::ceil(metric.ellipsoid ? longer * metric.angle_unit / kLongestAngle
-                                      : longer * metric.length_unit / kLongestWay);
+    constexpr double kMost = 0x1p18;  // round the earth
+    return std::min(kMost, std::ceil(metric.ellipsoid ? longer * metric.angle_unit / kLongestAngle
+                                                      : longer * metric.length_unit / kLongestWay));
   }
   void cut(const ProfilePoint& from, const ProfilePoint& to) {
     const double n = n_pieces((options_.to - options_.from) * (to.t - from.t));
     const double rounding = std::max(from.rounding, to.rounding) +
                             0x1p-50 * std::max(std::abs(from.height), std::abs(to.height));
-    for (double k = 1; k < n; ++k)
+    for (double k = 1; k < n && std::isfinite(distance_); ++k)
       add(from.t + (to.t - from.t) * k / n, from.height + (to.height - from.height) * k / n,
           from.error, rounding, false);
   }

@@ -37,8 +37,9 @@ Place first_unmeasured(const TerrainProfile& profile, const Place& to) {
 
 Error TerrainTin::Impl::not_measured(const Place& at) {
   return fail(
-      "expected a way whose places the CRS that distances are measured in has, got one that comes "
-      "to {}, {}, where PROJ finds none",
+      "expected a way whose places the CRS that distances are measured in has, one beside the "
+      "other, got one that comes to {}, {}, beside which PROJ finds none, or a seam or a pole of "
+      "that CRS is crossed",
       at[0], at[1]);
 }
 

@@ -2,12 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 namespace lode {
+namespace {
 
-double HorizontalMetric::chords(const Vec<double, 2>& from, const Vec<double, 2>& to,
+/// A chord is no longer than those beside it by more than this, and rounding, unless the map jumps
+/// there.
+constexpr double kMostUneven = 1.25;
+constexpr double kMillimetre = 1e-3;
+
+}  // namespace
+
+Chords HorizontalMetric::chords(const Vec<double, 2>& from, const Vec<double, 2>& to,
                                 std::size_t n) const {
   std::vector<Vec<double, 2>> places;
   places.reserve(n + 1);
@@ -17,13 +26,21 @@ double HorizontalMetric::chords(const Vec<double, 2>& from, const Vec<double, 2>
   }
   map->apply(places);
   const double turn = elsewhere->ellipsoid ? 2 * std::numbers::pi / elsewhere->angle_unit : 0;
-  double sum = 0;
+  std::vector<double> lengths;
+  lengths.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     // Longitudes may jump from one to the next.
     if (turn > 0) places[i + 1][0] -= turn * std::round((places[i + 1][0] - places[i][0]) / turn);
-    sum += elsewhere->distance(places[i], places[i + 1]);
+    lengths.push_back(elsewhere->distance(places[i], places[i + 1]));
   }
-  return sum;
+  const double rounding = kMillimetre / elsewhere->metres();
+  Chords made;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double beside = std::max(i > 0 ? lengths[i - 1] : 0, i + 1 < n ? lengths[i + 1] : 0);
+    made.is_even = made.is_even && lengths[i] <= kMostUneven * beside + rounding;
+    made.length += lengths[i];
+  }
+  return made;
 }
 
 // Chords are short of a smooth curve by a share that falls with the square of their number, which
@@ -34,14 +51,20 @@ double HorizontalMetric::mapped_distance(const Vec<double, 2>& from,
   constexpr double kShare = 1e-12;
   constexpr double kOnEarth = 2e7;  // coordinates of the target's plane, whose rounding is noise
   const double noise = elsewhere->ellipsoid ? 0 : 0x1p-51 * kOnEarth;
-  double coarse = chords(from, to, 2);
+  constexpr double kRoughly = 1e-6;  // of lengths that rounding in the map keeps from agreeing
+  double coarse = chords(from, to, 2).length;
   double last = coarse;
   for (std::size_t n = 4;; n *= 2) {
-    const double fine = chords(from, to, n);
-    const double length = fine + (fine - coarse) / 3;
-    const bool is_good = std::abs(length - last) <= kShare * length + noise;
-    if (is_good || n >= kMostChords || !std::isfinite(length)) return length;
-    coarse = fine;
+    const Chords fine = chords(from, to, n);
+    const double length = fine.length + (fine.length - coarse) / 3;
+    const double change = std::abs(length - last);
+    if (!std::isfinite(length)) return length;
+    if (fine.is_even && change <= kShare * length + noise) return length;
+    if (n >= kMostChords)
+      return fine.is_even && change <= kRoughly * length + kMillimetre / elsewhere->metres()
+                 ? length
+                 : std::numeric_limits<double>::quiet_NaN();
+    coarse = fine.length;
     last = length;
   }
 }

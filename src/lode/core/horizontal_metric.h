@@ -12,6 +12,12 @@
 
 namespace lode {
 
+/// What a way becomes in another CRS, in so many straight pieces of it.
+struct Chords {
+  double length = 0;
+  bool is_even = true;  ///< Each about as long as one beside it: the map does not jump.
+};
+
 /// How distances are measured between places of a CRS: in its plane, or, where its coordinates are
 /// longitudes and latitudes, on its ellipsoid.
 struct HorizontalMetric {
@@ -31,7 +37,7 @@ struct HorizontalMetric {
   /// By which distances are measured, and in whose unit.
   [[nodiscard]] const HorizontalMetric& measured() const { return elsewhere ? *elsewhere : *this; }
   /// Along the segment that is straight in the coordinates, where that is not here of what it
-  /// becomes there; not a number where a place of it has none there.
+  /// becomes there; not a number where a place of it has none there, or the map jumps.
   [[nodiscard]] double distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const {
     if (map) return mapped_distance(from, to);
     if (!ellipsoid) return length(to - from);
@@ -42,7 +48,7 @@ struct HorizontalMetric {
 
  private:
   [[nodiscard]] double mapped_distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const;
-  [[nodiscard]] double chords(const Vec<double, 2>& from, const Vec<double, 2>& to,
+  [[nodiscard]] Chords chords(const Vec<double, 2>& from, const Vec<double, 2>& to,
                               std::size_t n) const;
 };
 

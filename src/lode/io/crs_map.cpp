@@ -1,6 +1,7 @@
 #include "lode/io/crs_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -181,6 +182,20 @@ Result<std::shared_ptr<GdalPlaceMap>> open_map(const std::string& source, const 
   return std::make_shared<GdalPlaceMap>(gdal, way, turns);
 }
 
+/// Whether what turns left round a place turns right there, where it has a place at all.
+bool is_mirrored(const GdalPlaceMap& map, const HorizontalMetric& from,
+                 const Vec<double, 2>& middle) {
+  constexpr double kAngle = 1e-5;
+  constexpr double kWay = 100;  // metres
+  const double step = from.ellipsoid ? kAngle / from.angle_unit : kWay / from.length_unit;
+  std::array<Vec<double, 2>, 3> places{middle, middle + Vec<double, 2>{{step, 0}},
+                                       middle + Vec<double, 2>{{0, step}}};
+  map.apply(places);
+  const Vec<double, 2> x = places[1] - places[0];
+  const Vec<double, 2> y = places[2] - places[0];
+  return x[0] * y[1] - x[1] * y[0] < 0;
+}
+
 }  // namespace
 
 Result<void> check_target_crs(const std::string& target) try {
@@ -213,6 +228,11 @@ Result<TargetCrs> open_target_crs(const std::string& source, const std::string& 
     map->apply({&place, 1});
     if (std::isfinite(place[0])) map->set_near(place[0]);
   }
+  if (is_mirrored(*map, own, middle))
+    return fail(
+        "expected a CRS of x to the right and y up, got {}, whose axes come in another order: "
+        "there may be one that is the same but for that, as EPSG:5514 is for EPSG:5513",
+        made.name);
   made.map = std::move(map);
   return made;
 } catch (const std::bad_alloc&) {
