@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/locate/tin_fixtures.h"
@@ -76,6 +77,40 @@ TEST(plane_locator, finds_triangles_that_overlap_are_thin_or_are_far_larger_than
   }
   std::vector<Point> places = vertices;
   for (int i = 0; i < 2000; ++i) places.push_back({{2 * number(), 2 * number()}});
+  expect_all_found(vertices, triangles, places);
+}
+
+/// A fine grid of triangles in the corner of a coarse one, thousands of times as large.
+TEST(plane_locator, looks_at_few_triangles_where_they_crowd) {
+  oracles::Random random(13);
+  std::vector<Point> vertices;
+  std::vector<PlaneTriangle> triangles;
+  const auto add_grid = [&](double left, double side, std::uint32_t n) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (std::uint32_t i = 0; i <= n; ++i)
+      for (std::uint32_t k = 0; k <= n; ++k)
+        vertices.push_back({{left + side * k / n, 4e6 + side * i / n}});
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t at = first + i * (n + 1) + k;
+        triangles.push_back({at, at + 1, at + n + 1});
+        triangles.push_back({at + 1, at + n + 2, at + n + 1});
+      }
+  };
+  add_grid(5e5, 100, 60);
+  add_grid(5e5 + 1e6, 1, 40);
+  add_grid(5e5 + 100, 1e6, 3);
+  const PlaneLocator locator(vertices, triangles);
+  std::vector<Point> places;
+  std::size_t most = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double side = i % 3 == 0 ? 100 : i % 3 == 1 ? 1 : 1e6;
+    const double left = i % 3 == 0 ? 5e5 : i % 3 == 1 ? 1.5e6 : 5e5 + 100;
+    places.push_back({{left + side * random.uniform(0, 1), 4e6 + side * random.uniform(0, 1)}});
+    most = std::max(most, locator.triangles_near(places.back()).size());
+  }
+  EXPECT_LT(most, 200U) << "of " << triangles.size();
+  places.resize(900);
   expect_all_found(vertices, triangles, places);
 }
 

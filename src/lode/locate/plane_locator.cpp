@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "lode/core/expects.h"
 
@@ -13,6 +15,12 @@ using delaunay::Point;
 /// Triangles a square has, were they all alike, and squares along the longer side at most.
 constexpr double kAlike = 4;
 constexpr double kMostAlong = 0x1p20;
+/// Triangles of a square that is cut again, in no more squares than so many times their number;
+/// squares inside one another; and their side as a share of the largest coordinate.
+constexpr std::uint64_t kCrowd = 64;
+constexpr std::uint64_t kMostTimes = 8;
+constexpr int kMostDepth = 8;
+constexpr double kFinest = 0x1p-30;
 /// Of a square, more than rounding in coordinates of squares can be.
 constexpr double kMargin = 0x1p-10;
 
@@ -49,11 +57,6 @@ std::int64_t whole_below(double place, std::size_t n) {
 PlaneLocator::PlaneLocator(std::span<const Point> vertices, std::span<const Triangle> triangles)
     : vertices_(vertices), triangles_(triangles) {
   LODE_EXPECTS(!triangles.empty());
-  choose_size();
-  fill_squares();
-}
-
-void PlaneLocator::choose_size() {
   lower_ = upper_ = vertices_[triangles_.front()[0]];
   for (const Triangle& triangle : triangles_)
     for (const std::uint32_t v : triangle)
@@ -61,48 +64,95 @@ void PlaneLocator::choose_size() {
         lower_[axis] = std::min(lower_[axis], vertices_[v][axis]);
         upper_[axis] = std::max(upper_[axis], vertices_[v][axis]);
       }
-  const Point size = upper_ - lower_;
-  const double longer = std::max(size[0], size[1]);
-  const double side =
-      std::sqrt(size[0] * size[1] * kAlike / static_cast<double>(triangles_.size()));
-  per_unit_ = 1 / std::max(side, longer / kMostAlong);
-  n_columns_ = static_cast<std::size_t>(size[0] * per_unit_) + 1;
-  n_rows_ = static_cast<std::size_t>(size[1] * per_unit_) + 1;
+  std::vector<std::uint32_t> all(triangles.size());
+  std::iota(all.begin(), all.end(), std::uint32_t{0});
+  squares_ = *squares_of(lower_, upper_, all, 0);
 }
 
-std::int64_t PlaneLocator::column_of(double x) const {
-  return whole_below((x - lower_[0]) * per_unit_, n_columns_);
+std::size_t PlaneLocator::Squares::square_of(const Point& p) const {
+  const auto column = whole_below((p[0] - lower[0]) * per_unit, n_columns);
+  const auto row = whole_below((p[1] - lower[1]) * per_unit, n_rows);
+  return static_cast<std::size_t>(row) * n_columns + static_cast<std::size_t>(column);
 }
 
-std::int64_t PlaneLocator::row_of(double y) const {
-  return whole_below((y - lower_[1]) * per_unit_, n_rows_);
-}
-
-template <typename Visit>
-void PlaneLocator::visit_squares(std::uint32_t triangle, const Visit& visit) const {
-  std::array<Point, 3> corner;
-  for (std::size_t i = 0; i < 3; ++i)
-    corner[i] = (vertices_[triangles_[triangle][i]] - lower_) * per_unit_;
-  const auto [low, high] = std::minmax({corner[0][1], corner[1][1], corner[2][1]});
-  for (std::int64_t row = whole_below(low, n_rows_); row <= whole_below(high, n_rows_); ++row) {
-    const auto bottom = static_cast<double>(row);
-    const Cut cut = cut_of(corner, bottom - kMargin, bottom + 1 + kMargin);
-    for (std::int64_t x = whole_below(cut.left, n_columns_);
-         x <= whole_below(cut.right, n_columns_); ++x)
-      visit(static_cast<std::size_t>(row) * n_columns_ + static_cast<std::size_t>(x));
+std::span<const std::uint32_t> PlaneLocator::triangles_near(const Point& p) const {
+  const Squares* squares = &squares_;
+  for (;;) {
+    const std::size_t square = squares->square_of(p);
+    const auto finer = squares->finer.find(square);
+    if (finer == squares->finer.end())
+      return std::span(squares->entries)
+          .subspan(squares->first[square], squares->first[square + 1] - squares->first[square]);
+    squares = &finer->second;
   }
 }
 
-void PlaneLocator::fill_squares() {
-  const auto n = static_cast<std::uint32_t>(triangles_.size());
-  first_.assign(n_columns_ * n_rows_ + 1, 0);
-  for (std::uint32_t t = 0; t < n; ++t)
-    visit_squares(t, [&](std::size_t square) { ++first_[square + 1]; });
-  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-  entries_.resize(first_.back());
-  std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
-  for (std::uint32_t t = 0; t < n; ++t)
-    visit_squares(t, [&](std::size_t square) { entries_[next[square]++] = t; });
+template <typename Visit>
+void PlaneLocator::visit_squares(const Squares& squares, std::uint32_t triangle,
+                                 const Visit& visit) const {
+  const std::size_t n_columns = squares.n_columns;
+  const std::size_t n_rows = squares.n_rows;
+  std::array<Point, 3> corner;
+  for (std::size_t i = 0; i < 3; ++i)
+    corner[i] = (vertices_[triangles_[triangle][i]] - squares.lower) * squares.per_unit;
+  const auto [low, high] = std::minmax({corner[0][1], corner[1][1], corner[2][1]});
+  for (std::int64_t row = whole_below(low, n_rows); row <= whole_below(high, n_rows); ++row) {
+    const auto bottom = static_cast<double>(row);
+    const Cut cut = cut_of(corner, bottom - kMargin, bottom + 1 + kMargin);
+    for (std::int64_t x = whole_below(cut.left, n_columns); x <= whole_below(cut.right, n_columns);
+         ++x)
+      visit(static_cast<std::size_t>(row) * n_columns + static_cast<std::size_t>(x));
+  }
+}
+
+std::optional<PlaneLocator::Squares> PlaneLocator::squares_of(
+    const Point& lower, const Point& upper, std::span<const std::uint32_t> triangles,
+    int depth) const {
+  Squares squares;
+  squares.lower = lower;
+  const Point size = upper - lower;
+  const double longer = std::max(size[0], size[1]);
+  const double side = std::sqrt(size[0] * size[1] * kAlike / static_cast<double>(triangles.size()));
+  squares.per_unit = 1 / std::max(side, longer / kMostAlong);
+  squares.n_columns = static_cast<std::size_t>(size[0] * squares.per_unit) + 1;
+  squares.n_rows = static_cast<std::size_t>(size[1] * squares.per_unit) + 1;
+  squares.first.assign(squares.n_columns * squares.n_rows + 1, 0);
+  const std::uint64_t most = depth == 0 ? UINT64_MAX : kMostTimes * triangles.size();
+  std::uint64_t n = 0;
+  for (const std::uint32_t t : triangles) {
+    visit_squares(squares, t, [&](std::size_t square) {
+      ++squares.first[square + 1];
+      ++n;
+    });
+    if (n > most) return std::nullopt;
+  }
+  for (std::size_t i = 1; i < squares.first.size(); ++i) squares.first[i] += squares.first[i - 1];
+  squares.entries.resize(squares.first.back());
+  std::vector<std::uint64_t> next(squares.first.begin(), squares.first.end() - 1);
+  for (const std::uint32_t t : triangles)
+    visit_squares(squares, t, [&](std::size_t square) { squares.entries[next[square]++] = t; });
+  cut_crowded(squares, depth);
+  return squares;
+}
+
+void PlaneLocator::cut_crowded(Squares& squares, int depth) const {
+  const double farthest = std::max(
+      {std::abs(lower_[0]), std::abs(lower_[1]), std::abs(upper_[0]), std::abs(upper_[1])});
+  // Smaller ones would be lost in the rounding of coordinates.
+  if (depth >= kMostDepth || 1 / squares.per_unit < farthest * kFinest) return;
+  const double margin = kMargin / squares.per_unit;
+  for (std::size_t square = 0; square + 1 < squares.first.size(); ++square) {
+    const std::uint64_t n = squares.first[square + 1] - squares.first[square];
+    if (n < kCrowd) continue;
+    const std::size_t row = square / squares.n_columns;
+    const Point place{{static_cast<double>(square % squares.n_columns), static_cast<double>(row)}};
+    const Point lower = squares.lower + place * (1 / squares.per_unit) - Point{{margin, margin}};
+    const double side = 1 / squares.per_unit + 2 * margin;
+    const auto own =
+        std::span<const std::uint32_t>(squares.entries).subspan(squares.first[square], n);
+    if (auto finer = squares_of(lower, lower + Point{{side, side}}, own, depth + 1))
+      squares.finer.emplace(square, std::move(*finer));
+  }
 }
 
 bool PlaneLocator::holds(std::uint32_t triangle, const Point& p) const {

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "lode/delaunay/predicates.h"
@@ -11,9 +13,9 @@
 namespace lode {
 
 /// Finds the triangles that hold a place, exactly, of any in the plane, with coordinates in
-/// float64: they need not meet, and may overlap. Squares know the triangles that reach into them.
-/// Const members are safe from many threads. O(n) to make where triangles are about alike, and
-/// about 16 bytes a triangle.
+/// float64: they need not meet, and may overlap. Squares know the triangles that reach into them;
+/// those that know many are cut in squares again, where that helps. Const members are safe from
+/// many threads. O(n log n) to make, and about 16 bytes a triangle where they are about alike.
 class PlaneLocator {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
@@ -28,32 +30,44 @@ class PlaneLocator {
   template <typename Visit>
   void visit(const delaunay::Point& p, const Visit& visit) const {
     if (!is_in_rectangle(p)) return;
-    const std::size_t square = static_cast<std::size_t>(row_of(p[1])) * n_columns_ +
-                               static_cast<std::size_t>(column_of(p[0]));
-    for (std::uint64_t i = first_[square]; i < first_[square + 1]; ++i)
-      if (holds(entries_[i], p)) visit(entries_[i]);
+    for (const std::uint32_t triangle : triangles_near(p))
+      if (holds(triangle, p)) visit(triangle);
   }
+  /// Those that are looked at for p, which is in the rectangle of all.
+  [[nodiscard]] std::span<const std::uint32_t> triangles_near(const delaunay::Point& p) const;
 
  private:
+  /// A rectangle's squares.
+  struct Squares {
+    delaunay::Point lower{};
+    double per_unit = 1;  ///< Squares.
+    std::size_t n_columns = 1;
+    std::size_t n_rows = 1;
+    std::vector<std::uint64_t> first{};    ///< Per square, and one more: where its list begins.
+    std::vector<std::uint32_t> entries{};  ///< Triangles.
+    std::unordered_map<std::size_t, Squares> finer{};  ///< By square: of those that know many.
+
+    [[nodiscard]] std::size_t square_of(const delaunay::Point& p) const;
+  };
+
   [[nodiscard]] bool is_in_rectangle(const delaunay::Point& p) const {
     return p[0] >= lower_[0] && p[0] <= upper_[0] && p[1] >= lower_[1] && p[1] <= upper_[1];
   }
-  [[nodiscard]] std::int64_t column_of(double x) const;
-  [[nodiscard]] std::int64_t row_of(double y) const;
-  void choose_size();
-  void fill_squares();
+  /// Of a rectangle and triangles that may reach into it; none where they would be in too many
+  /// squares. `depth`: of squares around it.
+  [[nodiscard]] std::optional<Squares> squares_of(const delaunay::Point& lower,
+                                                  const delaunay::Point& upper,
+                                                  std::span<const std::uint32_t> triangles,
+                                                  int depth) const;
+  void cut_crowded(Squares& squares, int depth) const;
   template <typename Visit>
-  void visit_squares(std::uint32_t triangle, const Visit& visit) const;
+  void visit_squares(const Squares& squares, std::uint32_t triangle, const Visit& visit) const;
 
   std::span<const delaunay::Point> vertices_;
   std::span<const Triangle> triangles_;
   delaunay::Point lower_{};  ///< Of all corners.
   delaunay::Point upper_{};
-  double per_unit_ = 1;  ///< Squares.
-  std::size_t n_columns_ = 1;
-  std::size_t n_rows_ = 1;
-  std::vector<std::uint64_t> first_;    ///< Per square, and one more: where its list begins.
-  std::vector<std::uint32_t> entries_;  ///< Triangles.
+  Squares squares_;
 };
 
 }  // namespace lode
