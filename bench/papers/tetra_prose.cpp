@@ -16,6 +16,7 @@
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/budget.h"
+#include "lode/refine/counted_cut.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
 #include "lode/store/reader.h"
@@ -27,24 +28,6 @@ using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
 constexpr std::uint64_t kPaperBudget = 40'000;  ///< Figure 10's.
-
-/// A cut that counts what is done to it.
-class CountedCut : public TetraCut {
- public:
-  using TetraCut::TetraCut;
-  std::uint64_t apply(NodeId node) {
-    ++n_updates_;
-    return TetraCut::apply(node);
-  }
-  std::uint64_t undo(NodeId node) {
-    ++n_updates_;
-    return TetraCut::undo(node);
-  }
-  [[nodiscard]] std::uint64_t n_updates() const { return n_updates_; }
-
- private:
-  std::uint64_t n_updates_ = 0;
-};
 
 /// A question of figures 7 to 10, and the same a little further on.
 struct PlaceQuery {
@@ -64,8 +47,8 @@ struct Answers {
 };
 
 void ask(const PackedHierarchy& hierarchy, const PlaceQuery& query, Answers& answers) {
-  CountedCut cut(hierarchy);
-  Engine<CountedCut> engine(cut);
+  CountedCut<TetraCut> cut(hierarchy);
+  Engine<CountedCut<TetraCut>> engine(cut);
   const auto refine = [&](const FocusDemand& demand) {
     const auto start = Clock::now();
     engine.set_query(Demand(demand), query.budget, FocusChange::changed, ApplyOrder::nearest_first);

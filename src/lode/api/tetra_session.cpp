@@ -15,9 +15,11 @@
 #include "lode/api/tetra_query.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_gradients.h"
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/refine/counted_cut.h"
 #include "lode/refine/engine.h"
 
 namespace lode {
@@ -54,25 +56,6 @@ double finishing_seconds(const Midpoints& forest, const TetraFieldUse& fields,
   return 1e-3 + 1e-6 * static_cast<double>(n_cells) * static_cast<double>(1 + fields.along.size()) +
          4e-4 * n_unread;
 }
-
-/// A cut that counts what is done to it.
-template <typename Cut>
-class CountedCut : public Cut {
- public:
-  using Cut::Cut;
-  std::uint64_t apply(NodeId node) {
-    ++n_updates_;
-    return Cut::apply(node);
-  }
-  std::uint64_t undo(NodeId node) {
-    ++n_updates_;
-    return Cut::undo(node);
-  }
-  [[nodiscard]] std::uint64_t n_updates() const { return n_updates_; }
-
- private:
-  std::uint64_t n_updates_ = 0;
-};
 
 /// What an answer is refined in, and what the last one was of.
 template <typename Cut>
