@@ -16,20 +16,16 @@
 namespace lode {
 namespace {
 
-tetra_mt::BuildRecord record_of(const TetraBuildOptions& options) {
+/// Of collapses of either kind.
+template <typename Collapses>
+tetra_mt::BuildRecord record_of(const TetraBuildOptions& options, const Collapses& collapses) {
   return {.order = options.order,
           .keeps_extrema = options.keeps_extrema,
           .boundary_tolerance = options.boundary_tolerance,
+          .volume_change = collapses.volume_change,
+          .refusals = named(collapses.refusals),
           .reading = options.reading,
           .notes = options.notes};
-}
-/// What came of collapses of either kind.
-template <typename Collapses>
-tetra_mt::BuildRecord record_of(const TetraBuildOptions& options, const Collapses& collapses) {
-  tetra_mt::BuildRecord record = record_of(options);
-  record.volume_change = collapses.volume_change;
-  record.refusals = named(collapses.refusals);
-  return record;
 }
 
 std::uint64_t base_cells_of(const TetraMesh& mesh, const TetraBuildOptions& options) {
@@ -64,12 +60,14 @@ std::uint64_t memory_to_build(const TetraMesh& mesh, const TetraBuildOptions& op
   constexpr std::uint64_t kValue = 80;
   constexpr std::uint64_t kQuadric = 120;
   constexpr std::uint64_t kMidpoint = 50;
+  constexpr std::uint64_t kWorldError = 16;
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   const std::uint64_t n_more = std::max<std::size_t>(mesh.fields.size(), 1) - 1;
   const std::uint64_t each = kValue + (options.order == CollapseOrder::quadric ? kQuadric : 0) +
                              (options.placement == Placement::midpoint ? kMidpoint : 0);
   return kFixed + mesh.tetrahedra.size() * (kCell + (is_everywhere ? kOverlay : 0)) +
-         mesh.positions.size() * n_more * each;
+         mesh.positions.size() *
+             (n_more * each + (options.has_world_errors ? (n_more + 1) * kWorldError : 0));
 }
 
 Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,

@@ -64,7 +64,8 @@ struct TetraBuildOptions {
 };
 
 /// What building takes at most, with the mesh itself: 200 bytes a tetrahedron of a mesh with one
-/// field, 240 where errors hold everywhere, and 80 a vertex for each further field.
+/// field, 240 where errors hold everywhere, and 80 a vertex for each further
+/// field; more in the order of quadrics, of midpoints, and with world errors.
 [[nodiscard]] std::uint64_t memory_to_build(const TetraMesh& mesh,
                                             const TetraBuildOptions& options);
 
