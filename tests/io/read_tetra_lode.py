@@ -86,10 +86,10 @@ class Cursor:
 
 
 class Bits:
-    """Coded bits of a block. Models are made when a key first asks for one."""
+    """Coded bits of a block. Models are made when a key first asks for one that is not given."""
 
-    def __init__(self, raw):
-        self.raw, self.at, self.models = raw, 0, {}
+    def __init__(self, raw, models=None):
+        self.raw, self.at, self.models = raw, 0, {} if models is None else models
         self.r, self.c = 0xFFFFFFFF, 0
         for _ in range(4):
             self.c = self.c << 8 | self.next_byte()
@@ -167,6 +167,21 @@ class Bits:
         expect(0 <= self.at - len(self.raw) <= 4, "bytes left over, or missing")
 
 
+def read_primed(n, read):
+    """read(page, models) of all pages: primers teach the models with which the others begin."""
+    def softened():
+        return {key: [z, min(s, 14)] for key, (z, s) in models.items()}
+
+    models, out = {}, {}
+    for page in sorted({(2 * k + 1) * n // 8 for k in range(4)}) if n else []:
+        models = softened()
+        out[page] = read(page, models)
+    for page in range(n):
+        if page not in out:
+            out[page] = read(page, softened())
+    return [out[page] for page in range(n)]
+
+
 def unzigzag(code):
     return code // 2 if code % 2 == 0 else -(code + 1) // 2
 
@@ -237,14 +252,13 @@ class PageReader:
         self.positions = read_coordinates(c, n, self.m["narrow"])
         self.read_counts()
         self.read_far_vertices()
-        self.children = [
-            self.read_children(i, 0, self.discovered[i])
-            + self.read_children(i, 1, self.n_children[i] - self.discovered[i])
-            for i in range(n)
-        ]
-        places = [[v - self.first for v in kids[:d]] for kids, d in zip(self.children, self.discovered)]
+        self.children = [self.read_children(i, 0, self.discovered[i]) for i in range(n)]
+        places = [[v - self.first for v in kids] for kids in self.children]
         self.tree = [[p for p in of if 0 <= p < n] for of in places]
         self.order = tree_order(self.tree)
+        self.is_whole = [False] * n
+        for i in self.order:
+            self.read_others(i)
         self.boxes = [None] * n
         for i in self.order:
             self.boxes[i] = self.read_box(i)
@@ -336,6 +350,37 @@ class PageReader:
             out.append(self.first + last)
         return out
 
+    def read_others(self, i):
+        """Children that i does not discover: first of those that its children have, then others."""
+        kids, left = self.children[i], self.n_children[i] - self.discovered[i]
+        waiting, seen, shared = {}, {self.first + i, *kids}, []
+
+        def wait_for_children_of(v):
+            if self.is_near(v) and self.is_whole[v - self.first]:
+                for w in self.children[v - self.first]:
+                    if w not in seen:
+                        waiting[w] = waiting.get(w, 0) + 1
+
+        for v in kids:
+            wait_for_children_of(v)
+        while len(shared) < left and waiting:
+            v = min(waiting)
+            times = waiting.pop(v)
+            seen.add(v)
+            if self.c.bit("shared", self.is_near(v), min(times, 4), min(left - len(shared), 4)):
+                shared.append(v)
+                wait_for_children_of(v)
+        shared += self.read_children(i, 1, left - len(shared))
+        self.children[i] = kids + sorted(shared)
+        self.is_whole[i] = True
+        expect(len(set(self.children[i])) == self.n_children[i], "a child twice")
+
+    def role(self, i, child):
+        if not self.is_near(child):
+            return "far"
+        target = self.targets[child - self.first]
+        return "own" if target == self.first + i else "target" if target == self.targets[i] else "other"
+
     def read_box(self, i):
         c, d = self.c, self.discovered[i]
         least = min((self.boxes[k][0] for k in self.tree[i]), default=17 if d else 16)
@@ -376,6 +421,7 @@ class PageReader:
         if n == 0:
             return []
         d = n + (c.bit("has others", min(n, 6)) if n_makers > n else 0)
+        roles = [self.role(i, child) for child in self.children[i]] + ["reference"]
         seen, unseen, out = [], list(range(d)), []
         for k in range(n_makers):
             s, u = len(seen), len(unseen)
@@ -384,7 +430,8 @@ class PageReader:
                 for place in range(s - 1 if u == 0 else s):
                     uses = min(out.count(seen[place]), 4)
                     early = k < n_makers // 3
-                    if c.bit("seen", min(s, 6), min(u, 3), early, min(place, 5), uses):
+                    case = min(s, 6), min(u, 3), early, min(place, 5), uses, roles[seen[place]]
+                    if c.bit("seen", *case):
                         found = seen[place]
                         break
                 if found is None and u == 0:
@@ -392,7 +439,7 @@ class PageReader:
             if found is None:
                 found = unseen[-1]
                 for place in range(u - 1):
-                    if c.bit("not seen", min(u, 6), min(place, 6)):
+                    if c.bit("not seen", min(u, 6), min(place, 6), roles[unseen[place]]):
                         found = unseen[place]
                         break
             (seen if found in seen else unseen).remove(found)
@@ -520,7 +567,7 @@ def read_regions(c):
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 9, "unknown layout")
+    expect(c.take("I") == 10, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
@@ -634,8 +681,8 @@ class File:
         self.target, self.children, self.discovered = [], [], []
         self.far_parents, self.makers, self.new_regions = [], [], []
         self.boxes, self.masks, self.trees, positions = [], [], [], []
-        for page in range(self.n_pages):
-            self.read_links_of(page, positions)
+        for page in read_primed(self.n_pages, self.read_links_of):
+            self.add_links(page, positions)
         self.positions = np.concatenate([self.base_positions] + positions)
         self.parents = [[] for _ in range(m["N"])]
         for k, children in enumerate(self.children):
@@ -646,10 +693,13 @@ class File:
             here = [p for p in self.parents[k] if p // PAGE == k // PAGE]
             expect(sorted(self.parents[k]) == sorted(here + far), f"parents of node {k}")
 
-    def read_links_of(self, page, positions):
-        B = self.m["B"]
-        p = PageReader(self, page, Bits(self.take(LINKS, page)))
+    def read_links_of(self, page, models):
+        p = PageReader(self, page, Bits(self.take(LINKS, page), models))
         p.read()
+        return p
+
+    def add_links(self, p, positions):
+        B = self.m["B"]
         positions.append(p.positions)
         self.boxes += [(b[0], *(b[k] + 8 * b[k + 1] for k in (1, 3, 5))) for b in p.boxes]
         self.target += p.targets
@@ -682,22 +732,39 @@ class File:
             base.append(c.floats(n, f["narrow"]))
             c.end()
         values, facts = [], []
-        for page in range(self.n_pages):
-            n = self.n_page_vertices[page]
-            c = Bits(self.take(FIELD, page, i))
-            found, places = read_values(c, n, f["knots"].tolist(), f["narrow"])
+        for found, of_nodes in read_primed(self.n_pages, lambda *p: self.read_field_of(i, *p)):
             values.append(np.array(found))
-            facts.append(np.array(read_facts(c, places, *self.trees[page])).reshape(-1, 3))
-            c.end()
-        for page, n in enumerate(self.n_page_vertices):
-            c = self.open(GRADIENTS, page, i)
-            c.numbers(n, 4)
-            c.end()
+            facts.append(np.array(of_nodes).reshape(-1, 3))
+        pages = read_primed(len(self.n_page_vertices), lambda *p: self.read_gradients_of(i, *p))
+        f["gradients"] = [code for page in pages for code in page]
         if f["in_space"] is not None:
             f["world_codes"] = np.concatenate(
                 [self.read_world_codes(page, i) for page in range(self.n_pages)] or [np.zeros(0, int)])
         f["values"] = np.concatenate(base + values)
         f["facts"] = np.concatenate(facts) if facts else np.zeros((0, 3), int)
+
+    def read_field_of(self, i, page, models):
+        f, c = self.m["fields"][i], Bits(self.take(FIELD, page, i), models)
+        n = self.n_page_vertices[page]
+        values, places = read_values(c, n, f["knots"].tolist(), f["narrow"])
+        facts = read_facts(c, places, *self.trees[page])
+        c.end()
+        return values, facts
+
+    def read_gradients_of(self, i, page, models):
+        c = Bits(self.take(GRADIENTS, page, i), models)
+        codes, (l, u, v), (of_l, of_u, of_v) = [], (128, 1024, 1024), (0, 0, 0)
+        for _ in range(self.n_page_vertices[page]):
+            step = c.signed("length", of_l)
+            l, of_l = l + step, min(abs(step).bit_length(), 8)
+            step = c.signed("u", of_u)
+            u, of_u = u + step, min(abs(step).bit_length(), 11)
+            step = c.signed("v", (of_u + of_v) // 2)
+            v, of_v = v + step, min(abs(step).bit_length(), 11)
+            expect(0 <= l < 256 and 0 <= u < 2048 and 0 <= v < 2048, "no gradient")
+            codes.append((u, v, l))
+        c.end()
+        return codes
 
     def read_world_codes(self, page, i):
         c = self.open(WORLD_ERRORS, page, i)

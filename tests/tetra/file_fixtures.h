@@ -31,7 +31,7 @@ inline tetra_mt::GradientsOf codes_of(const tetra_mt::Hierarchy& hierarchy) {
   return [n = hierarchy.positions.size()](std::size_t field) {
     std::vector<std::uint32_t> codes;
     for (std::uint32_t v = 0; v < n; ++v)
-      codes.push_back((v + static_cast<std::uint32_t>(field)) * 2654435761U);
+      codes.push_back((v + static_cast<std::uint32_t>(field)) * 2654435761U >> 2);  // of 30 bits
     return codes;
   };
 }

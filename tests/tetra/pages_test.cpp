@@ -8,6 +8,8 @@
 
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
+#include "lode/models/tetra_mt/page_gradients.h"
+#include "lode/models/tetra_mt/page_primers.h"
 #include "tests/oracles/random.h"
 #include "tests/tetra/file_fixtures.h"
 
@@ -134,11 +136,18 @@ TEST(tetra_pages, come_back_from_their_bytes) {
   const Hierarchy hierarchy = hierarchy_of(mesh, 300);
   const HierarchyHead head = head_of(hierarchy, mesh.tetrahedra.size());
   ASSERT_GT(head.shape.n_pages(), 3U);
+  // Models are as pages before left them: both ways alike.
+  LinkModels written{};
+  LinkModels read{};
+  FieldModels written_field{};
+  FieldModels read_field{};
   for (std::uint32_t page = 0; page < head.shape.n_pages(); ++page) {
     const PageContent content = content_of(hierarchy, page);
     PageContent found;
-    const auto links = encode_links(content, page, head.shape);
-    const auto decoded = decode_links(links, "page", page, head.shape, found);
+    soften(written);
+    soften(read);
+    const auto links = encode_links(content, page, head.shape, written);
+    const auto decoded = decode_links(links, "page", page, head.shape, read, found);
     ASSERT_TRUE(decoded) << decoded.error().message;
     EXPECT_EQ(found, content);
     const NumberedField field = field_of(hierarchy, 0);
@@ -146,8 +155,9 @@ TEST(tetra_pages, come_back_from_their_bytes) {
     const FieldContent values = content_of(field, scale, head.shape, page);
     ASSERT_EQ(values.values.size(), content.n_nodes());
     const PageTree tree = PageTree::of(content, page);
-    const auto bytes = encode_field(values, scale, tree, head.fields[0].has_narrow_values);
-    const auto again = decode_field(bytes, "page", scale, tree, head.fields[0].has_narrow_values);
+    const bool is_narrow = head.fields[0].has_narrow_values;
+    const auto bytes = encode_field(values, scale, tree, is_narrow, written_field);
+    const auto again = decode_field(bytes, "page", scale, tree, is_narrow, read_field);
     ASSERT_TRUE(again);
     EXPECT_EQ(*again, values);
     const FieldPage packed(values, head.fields[0].has_narrow_values);
@@ -158,7 +168,77 @@ TEST(tetra_pages, come_back_from_their_bytes) {
   }
 }
 
-/// Flips bytes of whole files behind the checksums' back: fails or answers, but never crashes.
+TEST(page_primers, are_few_spread_and_of_any_number_of_pages) {
+  EXPECT_TRUE(primers_of(0).empty());
+  for (const std::uint32_t n : {1U, 2U, 3U, 5U, 508U, 0xFFFFFFFFU}) {
+    const auto primers = primers_of(n);
+    EXPECT_EQ(primers.size(), std::min(n, kMostPrimers));
+    EXPECT_TRUE(std::ranges::is_sorted(primers, std::less_equal()));
+    EXPECT_LT(primers.back(), n);
+    if (n > 100) EXPECT_EQ(primers[0], n / 8);
+  }
+  const auto taught = Primers<BitModel, std::uint32_t>::of(
+      5, [](std::uint32_t page, BitModel& model) -> Result<std::uint32_t> {
+        EXPECT_LE(model.n_seen, kMostTaught);
+        for (int i = 0; i < 40; ++i) model.learn(false);
+        return 10 * page;
+      });
+  EXPECT_EQ(taught->models().n_seen, kMostTaught);
+  EXPECT_GT(taught->models().zero, 60000);
+  EXPECT_EQ(*taught->find(4), 40U);
+  EXPECT_EQ(taught->find(2), nullptr);
+  EXPECT_FALSE((Primers<BitModel, int>::of(
+      9, [](std::uint32_t page, BitModel&) -> Result<int> { return fail("page {}", page); })));
+}
+
+/// What whole pages take is what this is for: of noise, whose links are the most random.
+TEST(page_primers, make_pages_smaller) {
+  const Hierarchy hierarchy = hierarchy_of(noise(), 300);
+  const PageShape shape = head_of(hierarchy, 1).shape;
+  std::size_t n_alone = 0;
+  std::size_t n_taught = 0;
+  const auto primers = Primers<LinkModels, int>::of(
+      shape.n_pages(), [&](std::uint32_t page, LinkModels& models) -> Result<int> {
+        static_cast<void>(encode_links(content_of(hierarchy, page), page, shape, models));
+        return 0;
+      });
+  for (std::uint32_t page = 0; page < shape.n_pages(); ++page) {
+    if (primers->find(page) != nullptr) continue;
+    LinkModels alone{};
+    LinkModels taught = primers->models();
+    n_alone += encode_links(content_of(hierarchy, page), page, shape, alone).size();
+    n_taught += encode_links(content_of(hierarchy, page), page, shape, taught).size();
+  }
+  EXPECT_LT(n_taught, n_alone - n_alone / 50);
+}
+
+TEST(page_gradients, come_back_and_others_are_refused) {
+  Random random(7);
+  std::vector<std::uint32_t> codes{0, (1U << 30) - 1, 0, 1U << 22};
+  while (codes.size() < 600)
+    codes.push_back(gradient_code(
+        {{static_cast<float>(random.uniform(-1, 1)), static_cast<float>(random.uniform(-1, 1)),
+          static_cast<float>(random.uniform(-9, 9))}}));
+  GradientModels written{};
+  const auto bytes = encode_gradients(codes, written);
+  GradientModels read{};
+  const auto found = decode_gradients(bytes, codes.size(), "page", read);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(*found, codes);
+  int n_refused = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    auto others = bytes;
+    others[random.below(others.size())] ^= static_cast<std::byte>(1 + random.below(255));
+    if (trial % 5 == 0) others.resize(random.below(others.size()));
+    read = {};
+    const auto came = decode_gradients(others, codes.size(), "page", read);
+    if (!came) ++n_refused;
+    for (const std::uint32_t code : came ? *came : codes)
+      EXPECT_EQ(code >> (2 * kGradientBits + kGradientLengthBits), 0U);
+  }
+  EXPECT_GT(n_refused, 300);
+}
+
 /// Nodes with so many links to other pages that their bits take more than 255 bytes, which is told
 /// before them.
 TEST(tetra_pages, hold_nodes_with_more_links_than_a_byte_counts) {
@@ -206,7 +286,8 @@ TEST(tetra_pages, refuse_bytes_that_are_not_theirs) {
   const Hierarchy hierarchy = hierarchy_of(noise(), 300);
   const HierarchyHead head = head_of(hierarchy, 1);
   const PageContent content = content_of(hierarchy, 1);
-  const auto links = encode_links(content, 1, head.shape);
+  LinkModels models{};
+  const auto links = encode_links(content, 1, head.shape, models);
   Random random(1);
   int n_refused = 0;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -215,7 +296,8 @@ TEST(tetra_pages, refuse_bytes_that_are_not_theirs) {
       bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
     if (trial % 5 == 0) bytes.resize(random.below(bytes.size()));
     PageContent found;
-    if (!decode_links(bytes, "page", 1, head.shape, found))
+    models = {};
+    if (!decode_links(bytes, "page", 1, head.shape, models, found))
       ++n_refused;
     else
       static_cast<void>(NodePage(found, 1, head.shape).n_bytes());

@@ -166,11 +166,13 @@ TEST(position_codes, give_back_grids_points_and_both_zeros_and_refuse_what_is_no
         }
       RangeWriter out;
       std::vector<Vec3d> same = given;
-      ASSERT_TRUE(code_positions(out, is_narrow, "page", same));
+      PositionModels models{};
+      ASSERT_TRUE(code_positions(out, models, is_narrow, "page", same));
       std::vector<std::byte> bytes = std::move(out).take();
       std::vector<Vec3d> found(given.size());
       RangeReader in(bytes);
-      ASSERT_TRUE(code_positions(in, is_narrow, "page", found));
+      models = {};
+      ASSERT_TRUE(code_positions(in, models, is_narrow, "page", found));
       EXPECT_TRUE(in.is_at_end());
       for (std::size_t k = 0; k < given.size(); ++k)
         for (std::size_t i = 0; i < 3; ++i) {
@@ -180,7 +182,8 @@ TEST(position_codes, give_back_grids_points_and_both_zeros_and_refuse_what_is_no
       for (int k = 0; k < 5; ++k)
         bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
       RangeReader lying(bytes);
-      if (!code_positions(lying, is_narrow, "page", found)) continue;
+      models = {};
+      if (!code_positions(lying, models, is_narrow, "page", found)) continue;
       for (const Vec3d& p : found) EXPECT_TRUE(std::isfinite(length(p * 1e-300)));
     }
 }
@@ -199,11 +202,13 @@ TEST(value_codes, give_back_values_beside_outliers_zeros_and_knots_that_are_alik
       const ValueScale scale = ValueScale::of(given);
       const std::string what = "page";
       RangeWriter out;
-      ValueCoder writer(out, scale, is_narrow, what);
+      ValueModels written{};
+      ValueCoder writer(out, written, scale, is_narrow, what);
       for (double value : given) ASSERT_TRUE(writer.code(value));
       const std::vector<std::byte> bytes = std::move(out).take();
       RangeReader in(bytes);
-      ValueCoder reader(in, scale, is_narrow, what);
+      ValueModels read{};
+      ValueCoder reader(in, read, scale, is_narrow, what);
       for (const double value : given) {
         double found = 0;
         ASSERT_TRUE(reader.code(found));

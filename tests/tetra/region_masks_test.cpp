@@ -23,6 +23,12 @@
 namespace lode::tetra_mt {
 namespace {
 
+std::vector<std::byte> links_of(const PageContent& content, std::uint32_t page,
+                                const PageShape& shape) {
+  LinkModels models{};
+  return encode_links(content, page, shape, models);
+}
+
 using oracles::Random;
 using test::meshes_of_regions;
 using test::random_regions;
@@ -59,8 +65,9 @@ TEST(region_masks, come_back_from_bytes_and_are_none_of_one_region) {
     for (std::uint32_t page = 0; page < head.shape.n_pages(); ++page) {
       const PageContent content = content_of(hierarchy, page);
       PageContent found;
-      ASSERT_TRUE(
-          decode_links(encode_links(content, page, head.shape), "page", page, head.shape, found));
+      const auto bytes = links_of(content, page, head.shape);
+      LinkModels models{};
+      ASSERT_TRUE(decode_links(bytes, "page", page, head.shape, models, found));
       EXPECT_EQ(found, content);
     }
   }
@@ -75,8 +82,8 @@ TEST(region_masks, come_back_from_bytes_and_are_none_of_one_region) {
   PageShape two = head.shape;
   two.n_regions = 2;
   content.region_masks.assign(content.n_nodes(), 2);
-  EXPECT_LE(encode_links(content, 0, two).size(),
-            encode_links(content_of(one, 0), 0, head.shape).size() + 3);
+  EXPECT_LE(links_of(content, 0, two).size(),
+            links_of(content_of(one, 0), 0, head.shape).size() + 3);
   EXPECT_EQ(NodePage(content, 0, two).n_bytes(), page.n_bytes() + sizeof(std::uint64_t));
   EXPECT_EQ(NodePage(content, 0, two).region_mask(3), 2U);
 }
@@ -85,7 +92,7 @@ TEST(region_masks, of_other_bytes_are_of_the_regions_or_refused) {
   const TetraMesh mesh = random_regions(12, 5, 4, 2);
   const Hierarchy hierarchy = test::hierarchy_of(mesh, 200);
   const PageShape shape = head_of(hierarchy, 1).shape;
-  const auto links = encode_links(content_of(hierarchy, 1), 1, shape);
+  const auto links = links_of(content_of(hierarchy, 1), 1, shape);
   Random random(1);
   int n_refused = 0;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -95,7 +102,8 @@ TEST(region_masks, of_other_bytes_are_of_the_regions_or_refused) {
         bytes.size() - 1 - random.below(bytes.size() / (trial % 2 == 0 ? 1 : 40));
     bytes[at] ^= static_cast<std::byte>(1 + random.below(255));
     PageContent found;
-    if (!decode_links(bytes, "page", 1, shape, found)) {
+    LinkModels models{};
+    if (!decode_links(bytes, "page", 1, shape, models, found)) {
       ++n_refused;
       continue;
     }

@@ -28,7 +28,7 @@ enum class Kind : std::uint32_t {
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 9;
+inline constexpr std::uint32_t kLayout = 10;
 
 [[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number,
                                             std::uint32_t field = 0) {

@@ -6,10 +6,9 @@
 namespace lode::tetra_mt {
 namespace {
 
-constexpr int kBits = 12;
-constexpr std::uint32_t kMask = (1U << kBits) - 1;
+constexpr std::uint32_t kMask = (1U << kGradientBits) - 1;
 /// Odd, so that both axes and the middle have codes.
-constexpr double kSteps = (1 << kBits) - 2;
+constexpr double kSteps = (1 << kGradientBits) - 2;
 constexpr int kLowest = -63;  ///< Octave.
 
 /// Quarters of an octave are linear: exact on all machines.
@@ -42,14 +41,14 @@ std::uint32_t gradient_code(const Vec3f& gradient) {
   const double length = std::sqrt(x * x + y * y + z * z);
   std::uint32_t code = 1;
   while (code < UINT8_MAX && length_of_code(code + 1) <= length) ++code;
-  return to_step(u) | to_step(v) << kBits | code << (2 * kBits);
+  return to_step(u) | to_step(v) << kGradientBits | code << (2 * kGradientBits);
 }
 
 Vec3f gradient_of(std::uint32_t code) {
-  const std::uint32_t length_code = code >> (2 * kBits);
+  const std::uint32_t length_code = code >> (2 * kGradientBits);
   if (length_code == 0) return {};
   double u = (code & kMask) / kSteps * 2 - 1;
-  double v = (code >> kBits & kMask) / kSteps * 2 - 1;
+  double v = (code >> kGradientBits & kMask) / kSteps * 2 - 1;
   const double z = 1 - std::abs(u) - std::abs(v);
   if (z < 0) {
     const double folded = (1 - std::abs(v)) * sign_of(u);

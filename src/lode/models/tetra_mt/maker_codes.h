@@ -12,20 +12,37 @@
 
 namespace lode::tetra_mt {
 
+/// Who may have made a tetrahedron that a node brings: a child in another page, one in the node's
+/// page by what vertex it splits, the node's, its target's or another; or the reference mesh.
+enum class MakerRole : std::uint8_t { far, splits_vertex, splits_target, splits_other, reference };
+
+struct MakerModels {
+  static constexpr std::uint32_t kFew = 6;
+  static constexpr std::size_t kRoles = 5;
+
+  std::array<BitModel, kFew + 1> has_reference;
+  using OfUses = std::array<std::array<BitModel, kRoles>, 5>;
+  /// By how many were seen, how many were not, whether it is early in the list, rank, uses, role.
+  std::array<std::array<std::array<std::array<OfUses, kFew>, 2>, 4>, kFew + 1> is_seen;
+  std::array<std::array<std::array<BitModel, kRoles>, kFew + 1>, kFew + 1> is_new;
+};
+
 /// Codes who made the tetrahedra that nodes bring: places of children, each at least once, and,
 /// where there are any of the reference, the number of children. Often they are who was there just
 /// before.
 template <typename Coder>
 class MakerCoder {
  public:
-  explicit MakerCoder(Coder& coder) : coder_(coder) {}
+  MakerCoder(Coder& coder, MakerModels& models) : coder_(coder), models_(models) {}
 
   /// Appends as many makers to `makers`, as many as children at least, of which there are some.
-  /// `given`: what they are, for a writer.
-  void code(std::uint32_t n_children, std::uint32_t n_makers, std::span<const std::uint8_t> given,
-            std::vector<std::uint8_t>& makers) {
+  /// `roles`: of the children, then of the reference. `given`: what they are, for a writer.
+  void code(std::span<const MakerRole> roles, std::uint32_t n_makers,
+            std::span<const std::uint8_t> given, std::vector<std::uint8_t>& makers) {
+    const auto n_children = static_cast<std::uint32_t>(roles.size()) - 1;
+    roles_ = roles;
     const bool has_reference =
-        n_makers > n_children && coder_.bit(has_reference_[std::min(n_children, kFew)],
+        n_makers > n_children && coder_.bit(models_.has_reference[std::min(n_children, kFew)],
                                             !Coder::kReads && has(given, n_children));
     n_ = n_children + (has_reference ? 1 : 0);
     n_unused_ = n_;
@@ -43,7 +60,7 @@ class MakerCoder {
   }
 
  private:
-  static constexpr std::uint32_t kFew = 6;
+  static constexpr std::uint32_t kFew = MakerModels::kFew;
   static constexpr std::size_t kMost = kMaxBrought + 1;
 
   [[nodiscard]] static bool has(std::span<const std::uint8_t> makers, std::uint32_t maker) {
@@ -52,35 +69,38 @@ class MakerCoder {
   [[nodiscard]] std::uint32_t rank_of(std::uint8_t maker) const {
     return static_cast<std::uint32_t>(std::ranges::find(recent_, maker) - recent_.begin());
   }
+  [[nodiscard]] std::size_t role_at(std::uint32_t rank) const {
+    return static_cast<std::size_t>(roles_[recent_[rank]]);
+  }
   /// Among those seen, the last one first, or then among those that were not, ascending.
   std::uint32_t code_rank(std::uint32_t n_left, bool is_early, std::uint32_t given) {
     Held held(coder_);
     const std::uint32_t n_seen = n_ - n_unused_;
     if (n_unused_ < n_left) {
       const std::uint32_t n_asked = n_unused_ == 0 ? n_seen - 1 : n_seen;
-      auto& models = is_seen_[std::min(n_seen, kFew)][std::min(n_unused_, 3U)][is_early ? 1 : 0];
+      auto& models =
+          models_.is_seen[std::min(n_seen, kFew)][std::min(n_unused_, 3U)][is_early ? 1 : 0];
       for (std::uint32_t rank = 0; rank < n_asked; ++rank) {
         const std::uint32_t n_uses = std::min<std::uint32_t>(n_uses_[recent_[rank]], 4);
-        if (held.bit(models[std::min(rank, kFew - 1)][n_uses], rank == given)) return rank;
+        if (held.bit(models[std::min(rank, kFew - 1)][n_uses][role_at(rank)], rank == given))
+          return rank;
       }
       if (n_unused_ == 0) return n_asked;
     }
-    auto& models = is_new_[std::min(n_unused_, kFew)];
+    auto& models = models_.is_new[std::min(n_unused_, kFew)];
     for (std::uint32_t rank = n_seen; rank + 1 < n_; ++rank)
-      if (held.bit(models[std::min(rank - n_seen, kFew)], rank == given)) return rank;
+      if (held.bit(models[std::min(rank - n_seen, kFew)][role_at(rank)], rank == given))
+        return rank;
     return n_ - 1;
   }
 
   Coder& coder_;
+  MakerModels& models_;
+  std::span<const MakerRole> roles_;
   std::uint32_t n_ = 0;  ///< Makers that differ.
   std::uint32_t n_unused_ = 0;
   std::array<std::uint8_t, kMost> recent_{};  ///< The last one first, behind them those not seen.
   std::array<std::uint8_t, kMost> n_uses_{};
-  std::array<BitModel, kFew + 1> has_reference_;
-  /// By how many were seen, how many were not, whether it is early in the list, rank, and uses.
-  std::array<std::array<std::array<std::array<std::array<BitModel, 5>, kFew>, 2>, 4>, kFew + 1>
-      is_seen_;
-  std::array<std::array<BitModel, kFew + 1>, kFew + 1> is_new_;
 };
 
 }  // namespace lode::tetra_mt

@@ -15,13 +15,20 @@
 
 namespace lode::tetra_mt {
 
+struct MaskModels {
+  NumberModel sizes;
+  WideModel masks;
+  std::array<BitModel, 2> is_expected;
+  NumberModel places;
+};
+
 /// Codes the masks of regions of a page's nodes: those that differ, the most frequent first; and
 /// where there are several, of each node which. It is mostly what the node discovers in the page
 /// has together, or, of one that discovers nothing there, what the node before has.
 template <typename Coder>
 class MaskCoder {
  public:
-  explicit MaskCoder(Coder& coder) : coder_(coder) {}
+  MaskCoder(Coder& coder, MaskModels& models) : coder_(coder), models_(models) {}
 
   /// `given`: by node, for a writer; fills `masks`. Fails on what no page has.
   Result<void> code(const PageTree& tree, std::uint32_t n_regions,
@@ -37,8 +44,8 @@ class MaskCoder {
       for (const std::uint16_t child : tree.found[i]) expected |= masks[child];
       const std::uint64_t mask = Coder::kReads ? 0 : given[i];
       last = expected;
-      if (!coder_.bit(is_expected_[discovers ? 1 : 0], mask == expected)) {
-        const std::uint32_t place = places_.code(coder_, Coder::kReads ? 0 : place_of(mask));
+      if (!coder_.bit(models_.is_expected[discovers ? 1 : 0], mask == expected)) {
+        const std::uint32_t place = models_.places.code(coder_, Coder::kReads ? 0 : place_of(mask));
         if (place >= table_.size())
           return fail("{}: node {}: expected one of {} masks, got {}", what, i, table_.size(),
                       place);
@@ -67,12 +74,12 @@ class MaskCoder {
                           std::span<const std::uint64_t> given, const std::string& what) {
     const std::vector<std::uint64_t> wanted = table_of(given);
     const auto n_given = static_cast<std::uint32_t>(wanted.size());
-    const std::uint32_t n = sizes_.code(coder_, n_given - (Coder::kReads ? 0 : 1)) + 1;
+    const std::uint32_t n = models_.sizes.code(coder_, n_given - (Coder::kReads ? 0 : 1)) + 1;
     if (n > n_nodes)
       return fail("{}: expected up to {} masks of regions, got {}", what, n_nodes, n);
     table_.clear();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint64_t mask = masks_.code(coder_, Coder::kReads ? 0 : wanted[k]);
+      const std::uint64_t mask = models_.masks.code(coder_, Coder::kReads ? 0 : wanted[k]);
       if (mask == 0 || (mask & ~mask_of_all(n_regions)) != 0 ||
           std::ranges::find(table_, mask) != table_.end())
         return fail("{}: expected masks of {} regions that differ, got {:#x}", what, n_regions,
@@ -83,11 +90,8 @@ class MaskCoder {
   }
 
   Coder& coder_;
+  MaskModels& models_;
   std::vector<std::uint64_t> table_;
-  NumberModel sizes_;
-  WideModel masks_;
-  std::array<BitModel, 2> is_expected_;
-  NumberModel places_;
 };
 
 }  // namespace lode::tetra_mt

@@ -22,6 +22,10 @@ struct PageShape {
 
   /// Of nodes.
   [[nodiscard]] std::uint32_t n_pages() const { return n_pages_of(n_nodes); }
+  /// Of nodes, then of the base's vertices.
+  [[nodiscard]] std::uint32_t n_vertex_pages() const {
+    return n_pages() + n_pages_of(n_base_vertices);
+  }
 };
 
 /// Vertices of a page: of nodes, or, numbered after those, of the base's.

@@ -5,6 +5,7 @@
 #include "lode/models/tetra_mt/base_blocks.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/page_blocks.h"
+#include "lode/models/tetra_mt/page_source.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/store/reader.h"
 
@@ -80,123 +81,6 @@ class BaseReader {
   const store::Reader& reader_;
   BaseCounts counts_;
   HierarchyHead& head_;
-};
-
-/// Reads what a file has once its base is known.
-class PageSource {
- public:
-  PageSource(std::shared_ptr<const store::Reader> reader, const HierarchyHead& head)
-      : reader_(std::move(reader)), shape_(head.shape) {
-    for (const HierarchyHead::Field& field : head.fields) {
-      fields_.push_back(field);
-      fields_.back().name.clear();
-    }
-  }
-
-  /// That all blocks are there.
-  [[nodiscard]] Result<void> check() const {
-    for (std::uint32_t page = 0; page < shape_.n_pages(); ++page) {
-      LODE_CHECK(expect(key_of(Kind::links, page)));
-      for (std::uint32_t f = 0; f < fields_.size(); ++f) {
-        LODE_CHECK(expect(key_of(Kind::field, page, f)));
-        if (fields_[f].base_world_error) LODE_CHECK(expect(key_of(Kind::world_errors, page, f)));
-      }
-    }
-    return {};
-  }
-  [[nodiscard]] Result<PageContent> links(std::uint32_t page) const {
-    const auto key = key_of(Kind::links, page);
-    LODE_TRY(const auto bytes, read_block(*reader_, key));
-    PageContent content;
-    LODE_CHECK(decode_links(bytes, name_of(key), page, shape_, content));
-    return content;
-  }
-  [[nodiscard]] Result<FieldContent> field(std::size_t number, std::uint32_t page,
-                                           const PageTree& tree, const ValueScale& scale) const {
-    const auto key = key_of(Kind::field, page, static_cast<std::uint32_t>(number));
-    LODE_TRY(const auto bytes, read_block(*reader_, key));
-    return decode_field(bytes, name_of(key), scale, tree, fields_[number].has_narrow_values);
-  }
-  [[nodiscard]] Result<WorldPage> world_errors(std::size_t field, std::uint32_t page) const {
-    const auto key = key_of(Kind::world_errors, page, static_cast<std::uint32_t>(field));
-    LODE_TRY(const auto bytes, read_block(*reader_, key));
-    StreamReader in(bytes, name_of(key));
-    LODE_TRY(auto codes, in.read(vertices_of(shape_, page).n));
-    LODE_CHECK(in.expect_end());
-    return codes;
-  }
-  [[nodiscard]] Result<FieldBase> base(std::size_t number) const {
-    FieldBase base;
-    const std::size_t n_base = shape_.n_base_vertices;
-    for (std::size_t first = 0; first == 0 || first < n_base; first += kBasePart) {
-      const auto key = key_of(Kind::base_field, static_cast<std::uint32_t>(first / kBasePart),
-                              static_cast<std::uint32_t>(number));
-      LODE_TRY(const auto bytes, read_block(*reader_, key));
-      StreamReader in(bytes, name_of(key));
-      if (first == 0) {
-        LODE_TRY(base.scale, read_scale(in, fields_[number]));
-      }
-      LODE_TRY(const auto values, read_numbers(in, std::min<std::size_t>(kBasePart, n_base - first),
-                                               1, fields_[number].has_narrow_values));
-      base.values.insert(base.values.end(), values.begin(), values.end());
-      LODE_CHECK(in.expect_end());
-    }
-    return base;
-  }
-  [[nodiscard]] Result<std::vector<std::uint32_t>> gradients(std::size_t field,
-                                                             std::uint32_t page) const {
-    const auto key = key_of(Kind::gradients, page, static_cast<std::uint32_t>(field));
-    LODE_TRY(const auto bytes, read_block(*reader_, key));
-    StreamReader in(bytes, name_of(key));
-    LODE_TRY(auto gradients, in.read_planes<std::uint32_t>(vertices_of(shape_, page).n));
-    LODE_CHECK(in.expect_end());
-    return gradients;
-  }
-  [[nodiscard]] Result<std::vector<std::uint32_t>> mesh_vertices() const {
-    std::vector<std::uint32_t> numbers(std::size_t{shape_.n_base_vertices} + shape_.n_nodes);
-    const std::uint32_t n_pages = shape_.n_pages() + n_pages_of(shape_.n_base_vertices);
-    for (std::uint32_t page = 0; page < n_pages; ++page) {
-      const auto key = key_of(Kind::mesh_vertices, page);
-      LODE_TRY(const auto bytes, read_block(*reader_, key));
-      StreamReader in(bytes, name_of(key));
-      const VertexRange range = vertices_of(shape_, page);
-      LODE_TRY(const auto found, read_differences_of(in, range.n));
-      LODE_CHECK(in.expect_end());
-      std::ranges::copy(found, numbers.begin() + range.first);
-    }
-    // There may be others in the mesh, which no cell has.
-    std::vector<std::uint32_t> sorted = numbers;
-    std::ranges::sort(sorted);
-    const auto twice = std::ranges::adjacent_find(sorted);
-    if (twice != sorted.end() || (!sorted.empty() && sorted.back() == kNone))
-      return fail("{}: expected numbers of vertices, each once, got {} twice or as a number",
-                  reader_->path(), twice != sorted.end() ? *twice : kNone);
-    return numbers;
-  }
-
- private:
-  [[nodiscard]] std::string name_of(const store::BlockKey& key) const {
-    return reader_->path() + ": " + store::describe(key);
-  }
-  [[nodiscard]] Result<void> expect(const store::BlockKey& key) const {
-    if (!reader_->find(key))
-      return fail("{}: expected {}, found none", reader_->path(), store::describe(key));
-    return {};
-  }
-  [[nodiscard]] static Result<ValueScale> read_scale(StreamReader& in,
-                                                     const HierarchyHead::Field& field) {
-    LODE_TRY(const auto numbers, read_numbers(in, ValueScale::kKnots, 1, false));
-    ValueScale::Knots knots;
-    std::ranges::copy(numbers, knots.begin());
-    if (!std::ranges::is_sorted(knots) || knots.front() != field.low || knots.back() != field.high)
-      return fail("{}: expected knots that ascend from {} to {}, got {} to {}", in.what(),
-                  field.low, field.high, knots.front(), knots.back());
-    return ValueScale(knots);
-  }
-
-  std::shared_ptr<const store::Reader> reader_;
-  PageShape shape_;
-  std::vector<HierarchyHead::Field> fields_;
 };
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lode/models/tetra_mt/page_blocks.h"
-#include "lode/models/tetra_mt/value_codes.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -15,8 +14,9 @@ namespace {
 template <typename Coder>
 class FactCoder {
  public:
-  FactCoder(Coder& coder, const PageTree& tree, const std::vector<std::uint32_t>& places)
-      : coder_(coder), tree_(tree), places_(places) {}
+  FactCoder(Coder& coder, FieldModels::Facts& models, const PageTree& tree,
+            const std::vector<std::uint32_t>& places)
+      : coder_(coder), models_(models), tree_(tree), places_(places) {}
 
   /// In place.
   void run(std::vector<FactCodes>& facts) {
@@ -26,7 +26,7 @@ class FactCoder {
 
  private:
   static constexpr std::uint32_t kMask = (1U << FactCodes::kBits) - 1;
-  static constexpr std::uint32_t kFew = 4;
+  static constexpr std::uint32_t kFew = FieldModels::kFew;
 
   /// Of its own value.
   [[nodiscard]] std::uint32_t code_at(std::uint16_t i) const {
@@ -36,15 +36,15 @@ class FactCoder {
   FactCodes code_alone(std::uint16_t i, const FactCodes& given) {
     const std::size_t is_inner = tree_.n_others[i] > 0 ? 1 : 0;
     const std::uint32_t own = code_at(i);
-    const std::uint32_t octave = octaves_[is_inner].code(coder_, given.error >> 7);
-    const std::uint32_t quarter = quarters_[octave].code(coder_, given.error >> 5 & 3);
+    const std::uint32_t octave = models_.octaves[is_inner].code(coder_, given.error >> 7);
+    const std::uint32_t quarter = models_.quarters[octave].code(coder_, given.error >> 5 & 3);
     const std::uint32_t error =
         octave << 7 | quarter << 5 |
         static_cast<std::uint32_t>(code_plain(coder_, 5, given.error & 31U));
     const std::uint32_t size = std::max(octave, 20U) - 20;
-    const std::uint32_t low = code_from(lows_[is_inner][size], own, given.low);
+    const std::uint32_t low = code_from(models_.lows[is_inner][size], own, given.low);
     const auto below = static_cast<std::size_t>(std::bit_width(own > low ? own - low : 1));
-    const std::uint32_t high = code_from(highs_[is_inner][below], own, given.high);
+    const std::uint32_t high = code_from(models_.highs[is_inner][below], own, given.high);
     return made(error, low, high);
   }
   /// Modulo 4096, wherever bytes lead.
@@ -66,21 +66,17 @@ class FactCoder {
                                                own > joined.high ? std::size_t{1} : 0};
     const FactCodes& given = facts[i];
     const std::uint32_t error =
-        code_more(excess_[0][has_others][n][0], joined.error, given.error - joined.error);
+        code_more(models_.excess[0][has_others][n][0], joined.error, given.error - joined.error);
     const std::uint32_t least = std::min<std::uint32_t>(joined.low, own);
     const std::uint32_t low =
-        least - (code_more(excess_[1][has_others][n][is_beyond[0]], 0, least - given.low));
+        least - (code_more(models_.excess[1][has_others][n][is_beyond[0]], 0, least - given.low));
     const std::uint32_t most = std::max<std::uint32_t>(joined.high, own);
     const std::uint32_t high =
-        code_more(excess_[2][has_others][n][is_beyond[1]], most, given.high - most);
+        code_more(models_.excess[2][has_others][n][is_beyond[1]], most, given.high - most);
     return made(error, low, high);
   }
-  struct Excess {
-    BitModel is_any;
-    NumberModel size;
-  };
   /// From + what is more, modulo 4096.
-  std::uint32_t code_more(Excess& models, std::uint32_t from, std::uint32_t given) {
+  std::uint32_t code_more(FieldModels::Excess& models, std::uint32_t from, std::uint32_t given) {
     if (!coder_.bit(models.is_any, (given & kMask) != 0)) return from & kMask;
     return (from + 1 + models.size.code(coder_, (given - 1) & kMask)) & kMask;
   }
@@ -90,47 +86,43 @@ class FactCoder {
   }
 
   Coder& coder_;
+  FieldModels::Facts& models_;
   const PageTree& tree_;
   const std::vector<std::uint32_t>& places_;
-  std::array<SymbolModel<5>, 2> octaves_;  ///< By whether it discovers any.
-  std::array<SymbolModel<2>, 32> quarters_;
-  std::array<std::array<NumberModel, 12>, 2> lows_;   ///< And by the error;
-  std::array<std::array<NumberModel, 13>, 2> highs_;  ///< by how far it is down to the low.
-  /// By fact, whether it discovers any of other pages, how many, and whether its value is beyond
-  /// what these state.
-  std::array<std::array<std::array<std::array<Excess, 2>, kFew + 1>, 2>, 3> excess_;
 };
 
 /// All in place.
 template <typename Coder>
-Result<void> code_content(Coder& coder, const ValueScale& scale, const PageTree& tree,
-                          bool is_narrow, const std::string& what, FieldContent& content) {
-  ValueCoder<Coder> values(coder, scale, is_narrow, what);
+Result<void> code_content(Coder& coder, FieldModels& models, const ValueScale& scale,
+                          const PageTree& tree, bool is_narrow, const std::string& what,
+                          FieldContent& content) {
+  ValueCoder<Coder> values(coder, models.values, scale, is_narrow, what);
   std::vector<std::uint32_t> places;
   for (double& value : content.values) {
     LODE_TRY(const std::uint32_t place, values.code(value));
     places.push_back(place);
   }
-  FactCoder<Coder>(coder, tree, places).run(content.facts);
+  FactCoder<Coder>(coder, models.facts, tree, places).run(content.facts);
   return {};
 }
 
 }  // namespace
 
 std::vector<std::byte> encode_field(const FieldContent& content, const ValueScale& scale,
-                                    const PageTree& tree, bool is_narrow) {
+                                    const PageTree& tree, bool is_narrow, FieldModels& models) {
   RangeWriter out;
   FieldContent made = content;
-  const auto done = code_content(out, scale, tree, is_narrow, "page", made);
+  const auto done = code_content(out, models, scale, tree, is_narrow, "page", made);
   LODE_EXPECTS(done && made == content);
   return std::move(out).take();
 }
 
 Result<FieldContent> decode_field(std::span<const std::byte> bytes, const std::string& what,
-                                  const ValueScale& scale, const PageTree& tree, bool is_narrow) {
+                                  const ValueScale& scale, const PageTree& tree, bool is_narrow,
+                                  FieldModels& models) {
   RangeReader in(bytes);
   FieldContent content{std::vector<double>(tree.n_nodes()), std::vector<FactCodes>(tree.n_nodes())};
-  LODE_CHECK(code_content(in, scale, tree, is_narrow, what, content));
+  LODE_CHECK(code_content(in, models, scale, tree, is_narrow, what, content));
   for (const FactCodes& codes : content.facts)
     if (codes.low > codes.high || codes.high > ValueScale::kLargest)
       return fail("{}: expected ranges of codes up to {}, got {} to {}", what, ValueScale::kLargest,

@@ -4,12 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lode/models/tetra_mt/box_steps.h"
-#include "lode/models/tetra_mt/far_links.h"
-#include "lode/models/tetra_mt/maker_codes.h"
-#include "lode/models/tetra_mt/mask_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
-#include "lode/models/tetra_mt/position_codes.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -20,39 +15,44 @@ using ListCounts = std::vector<std::uint32_t>;
 template <typename Coder>
 class LinkCoder {
  public:
-  LinkCoder(Coder& coder, const PageContent* given, std::uint32_t number, const PageShape& shape,
-            const std::string& what, PageContent& made)
+  LinkCoder(Coder& coder, LinkModels& models, const PageContent* given, std::uint32_t number,
+            const PageShape& shape, const std::string& what, PageContent& made)
       : coder_(coder),
+        models_(models),
         given_(given),
         number_(number),
         shape_(shape),
         what_(what),
         made_(made),
         n_(vertices_of(shape, number).n),
-        far_(coder, shape, number, what),
-        makers_(coder) {}
+        far_(coder, models.far, shape, number, what),
+        makers_(coder, models.makers) {}
 
   Result<void> run() {
     made_.positions.resize(n_);
     if (given_ != nullptr) made_.positions = given_->positions;
-    LODE_CHECK(code_positions(coder_, shape_.has_narrow_positions, what_, made_.positions));
+    LODE_CHECK(code_positions(coder_, models_.positions, shape_.has_narrow_positions, what_,
+                              made_.positions));
     for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_counts(i));
     LODE_CHECK(far_.code_table(far_vertices(), most_links_));
-    for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_children(i));
-    LODE_CHECK(code_boxes());
+    ChildLinks<Coder> children(coder_, models_.children, far_, shape_, number_, n_children_, what_);
+    LODE_CHECK(children.run(given_, made_));
+    made_.boxes.resize(n_);
+    if (given_ != nullptr) made_.boxes = given_->boxes;
+    BoxSteps<Coder>(coder_, models_.boxes).code(children.tree(), made_.boxes);
     LODE_CHECK(code_parents());
     for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_target(i));
     for (std::uint32_t i = 0; i < n_; ++i) code_makers(i);
     for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_regions(i));
     if (shape_.n_regions <= 1) return {};
-    return MaskCoder(coder_).code(
-        PageTree::of(made_, number_), shape_.n_regions,
-        given_ != nullptr ? given_->region_masks : std::span<const std::uint64_t>(), what_,
-        made_.region_masks);
+    return MaskCoder(coder_, models_.masks)
+        .code(children.tree(), shape_.n_regions,
+              given_ != nullptr ? given_->region_masks : std::span<const std::uint64_t>(), what_,
+              made_.region_masks);
   }
 
  private:
-  static constexpr std::uint32_t kFew = 6;  ///< Contexts tell apart counts up to this.
+  static constexpr std::uint32_t kFew = LinkModels::kFew;
 
   [[nodiscard]] std::uint32_t first_node() const { return number_ * kPageNodes; }
   [[nodiscard]] bool is_near(std::uint32_t node) const { return node - first_node() < n_; }
@@ -88,12 +88,13 @@ class LinkCoder {
       n_parents = static_cast<std::uint32_t>(std::ranges::count_if(given_->parents[i], is_far));
       n_makers = static_cast<std::uint32_t>(given_->makers[i].size());
     }
-    n_children = counts_.children[std::min(last_n_children_ / 2, 4U)].code(coder_, n_children);
-    n_discovered = counts_.discovered[std::min(n_children, 12U)].code(coder_, n_discovered);
-    n_parents = counts_.parents[std::min(last_n_parents_, kFew)].code(coder_, n_parents);
+    n_children =
+        models_.counts.children[std::min(last_n_children_ / 2, 4U)].code(coder_, n_children);
+    n_discovered = models_.counts.discovered[std::min(n_children, 12U)].code(coder_, n_discovered);
+    n_parents = models_.counts.parents[std::min(last_n_parents_, kFew)].code(coder_, n_parents);
     if (n_children > 0) {
-      const bool is_odd = coder_.bit(counts_.is_odd, (n_makers & 1) != 0);
-      n_makers = 2 * counts_.makers[std::min(n_children, 10U)].code(coder_, n_makers / 2);
+      const bool is_odd = coder_.bit(models_.counts.is_odd, (n_makers & 1) != 0);
+      n_makers = 2 * models_.counts.makers[std::min(n_children, 10U)].code(coder_, n_makers / 2);
       n_makers += is_odd ? 1 : 0;
     }
     if (std::max({n_children, n_parents, n_makers}) > kMaxBrought || n_discovered > n_children ||
@@ -110,71 +111,9 @@ class LinkCoder {
     return {};
   }
 
-  Result<void> code_children(std::uint32_t i) {
-    const std::uint32_t n_discovered = made_.n_discovered[i];
-    LODE_CHECK(code_children(i, 0, 0, n_discovered));
-    LODE_CHECK(code_children(i, 1, n_discovered, n_children_[i]));
-    made_.children.end_list();
-    const auto children = made_.children[i];
-    scratch_.assign(children.begin(), children.end());
-    std::ranges::sort(scratch_);
-    if (std::ranges::adjacent_find(scratch_) != scratch_.end())
-      return fail("{}: node {}: expected children that differ", what_, i);
-    return {};
-  }
-  /// Those from one place of its list to another, of which each group has models of its own.
-  Result<void> code_children(std::uint32_t i, std::size_t group, std::uint32_t from,
-                             std::uint32_t to) {
-    std::uint32_t last_place = n_;  // n_: none
-    std::uint32_t n_far = 0;
-    std::size_t last = 0;  // 0: none, 1: near, 2: far
-    for (std::uint32_t k = from; k < to; ++k) {
-      const std::uint32_t given = given_ != nullptr ? given_->children[i][k] : 0;
-      BitModel& model = is_near_[group][last][std::min(n_children_[i], kFew)];
-      const bool is_child_near = coder_.bit(model, is_near(given));
-      last = is_child_near ? 1 : 2;
-      if (is_child_near) {
-        LODE_TRY(last_place, code_near(i, group, last_place, given - first_node()));
-        made_.children.items.push_back(first_node() + last_place);
-        continue;
-      }
-      LODE_TRY(const std::uint32_t vertex,
-               far_.code(FarLinks<Coder>::child, n_far++, shape_.n_base_vertices + given));
-      LODE_CHECK(expect_node(i, vertex));
-      made_.children.items.push_back(vertex - shape_.n_base_vertices);
-    }
-    return {};
-  }
-  /// The first one from the node's own place, which it is not, others from the last one on.
-  Result<std::uint32_t> code_near(std::uint32_t i, std::size_t group, std::uint32_t last,
-                                  std::uint32_t given) {
-    std::uint32_t found = 0;
-    if (last == n_) {
-      const auto step = static_cast<std::int32_t>(given - i);
-      const std::int32_t code =
-          unfolded(first_near_[group].code(coder_, folded(step > 0 ? step - 1 : step)));
-      found = i + static_cast<std::uint32_t>(code >= 0 ? code + 1 : code);
-    } else {
-      const std::uint32_t skipped = last < i && given > i ? 1 : 0;
-      found = last + 1 + next_near_[group].code(coder_, given - last - 1 - skipped);
-      if (last < i && found >= i) ++found;
-    }
-    if (found < n_) return found;
-    return fail("{}: node {}: expected a link to one of {} nodes, got {}", what_, i, n_, found);
-  }
   Result<void> expect_node(std::uint32_t i, std::uint32_t vertex) const {
     if (vertex >= shape_.n_base_vertices) return {};
     return fail("{}: node {}: expected a link to a node, got vertex {}", what_, i, vertex);
-  }
-
-  Result<void> code_boxes() {
-    const PageTree tree = PageTree::of(made_, number_);
-    if (tree.order.size() < n_)
-      return fail("{}: expected nodes that do not discover each other", what_);
-    made_.boxes.resize(n_);
-    if (given_ != nullptr) made_.boxes = given_->boxes;
-    BoxSteps<Coder>(coder_).code(tree, made_.boxes);
-    return {};
   }
 
   /// Those in the page follow from children.
@@ -222,10 +161,10 @@ class LinkCoder {
     const std::uint32_t none = ~0U;
     std::uint32_t found = code_parent_target(i, given, none);
     if (found == none) found = code_shared_target(i, given, none);
-    if (found == none && coder_.bit(is_target_near_, place_of(given) < n_)) {
+    if (found == none && coder_.bit(models_.targets.is_near, place_of(given) < n_)) {
       const auto step = static_cast<std::int32_t>(place_of(given) - i);
-      found = vertex_at(
-          i + static_cast<std::uint32_t>(unfolded(near_targets_.code(coder_, folded(step)))));
+      found = vertex_at(i + static_cast<std::uint32_t>(
+                                unfolded(models_.targets.near.code(coder_, folded(step)))));
       if (place_of(found) >= n_ || place_of(found) == i)
         return fail("{}: node {}: expected another vertex of the page, got {}", what_, i, found);
     } else if (found == none) {
@@ -239,10 +178,10 @@ class LinkCoder {
     const auto n = static_cast<std::uint32_t>(parents.size());
     const bool is_given =
         std::ranges::find(parents, given - shape_.n_base_vertices) != parents.end();
-    if (n == 0 || !coder_.bit(is_parent_[std::min(n, kFew)], is_given)) return none;
+    if (n == 0 || !coder_.bit(models_.targets.is_parent[std::min(n, kFew)], is_given)) return none;
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t vertex = shape_.n_base_vertices + parents[k];
-      auto& models = which_parent_[std::min(n, kFew)][std::min(k, kFew)];
+      auto& models = models_.targets.which_parent[std::min(n, kFew)][std::min(k, kFew)];
       if (k + 1 == n || coder_.bit(models[is_near(parents[k]) ? 1 : 0], vertex == given))
         return vertex;
     }
@@ -260,55 +199,53 @@ class LinkCoder {
         const std::uint32_t vertex = made_.targets[node - first_node()];
         if (std::ranges::find(seen, vertex) != seen.end()) continue;
         const std::size_t rank = std::min<std::size_t>(seen.size() - n_excluded, kFew);
-        if (coder_.bit(is_shared_[rank], vertex == given)) return vertex;
+        if (coder_.bit(models_.targets.is_shared[rank], vertex == given)) return vertex;
         seen.push_back(vertex);
       }
     return none;
   }
 
   void code_makers(std::uint32_t i) {
-    if (n_children_[i] > 0)
-      makers_.code(n_children_[i], n_makers_[i],
+    if (n_children_[i] > 0) {
+      roles_.clear();
+      for (const std::uint32_t child : made_.children[i]) roles_.push_back(role_of(i, child));
+      roles_.push_back(MakerRole::reference);
+      makers_.code(roles_, n_makers_[i],
                    given_ != nullptr ? given_->makers[i] : std::span<const std::uint8_t>(),
                    made_.makers.items);
+    }
     made_.makers.end_list();
+  }
+
+  [[nodiscard]] MakerRole role_of(std::uint32_t i, std::uint32_t child) const {
+    if (!is_near(child)) return MakerRole::far;
+    const std::uint32_t target = made_.targets[child - first_node()];
+    if (target == vertex_at(i)) return MakerRole::splits_vertex;
+    return target == made_.targets[i] ? MakerRole::splits_target : MakerRole::splits_other;
   }
 
   Result<void> code_regions(std::uint32_t i) {
     std::uint32_t n = given_ != nullptr ? static_cast<std::uint32_t>(given_->regions[i].size()) : 0;
-    if (shape_.n_labels > 1) n = regions_.counts.code(coder_, n);
+    if (shape_.n_labels > 1) n = models_.regions.counts.code(coder_, n);
     if (n > kMaxBrought)
       return fail("{}: node {}: expected up to {} regions, got {}", what_, i, kMaxBrought, n);
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t given = given_ != nullptr ? given_->regions[i][k] : 0;
-      if (coder_.bit(regions_.is_other, given != regions_.last)) {
-        const std::uint64_t region = regions_.numbers.code(coder_, given);
+      if (coder_.bit(models_.regions.is_other, given != last_region_)) {
+        const std::uint64_t region = models_.regions.numbers.code(coder_, given);
         if (region >= shape_.n_labels)
           return fail("{}: expected one of {} regions or patches, got {}", what_, shape_.n_labels,
                       region);
-        regions_.last = static_cast<std::uint32_t>(region);
+        last_region_ = static_cast<std::uint32_t>(region);
       }
-      made_.regions.items.push_back(regions_.last);
+      made_.regions.items.push_back(last_region_);
     }
     made_.regions.end_list();
     return {};
   }
 
-  struct CountModels {
-    std::array<CountModel<4>, 5> children;
-    std::array<CountModel<4>, 13> discovered;
-    std::array<CountModel<4>, kFew + 1> parents;
-    BitModel is_odd;
-    std::array<CountModel<5>, 11> makers;
-  };
-  struct RegionModels {
-    CountModel<5> counts;
-    BitModel is_other;
-    WideModel numbers;
-    std::uint32_t last = 0;
-  };
-
   Coder& coder_;
+  LinkModels& models_;
   const PageContent* given_;
   std::uint32_t number_;
   const PageShape& shape_;
@@ -316,45 +253,36 @@ class LinkCoder {
   PageContent& made_;
   std::uint32_t n_;
   std::vector<std::uint32_t> scratch_;
+  std::vector<MakerRole> roles_;
   ListCounts n_children_;
   ListCounts n_far_parents_;
   ListCounts n_makers_;
   std::size_t most_links_ = 0;
   std::uint32_t last_n_children_ = 0;
   std::uint32_t last_n_parents_ = 0;
-  CountModels counts_;
   FarLinks<Coder> far_;
-  /// By group, whether the one before is near, and how many children there are.
-  std::array<std::array<std::array<BitModel, kFew + 1>, 3>, 2> is_near_;
-  std::array<NumberModel, 2> first_near_;
-  std::array<NumberModel, 2> next_near_;
-  std::array<BitModel, kFew + 1> is_parent_;
-  /// By how many parents there are, place, and whether it is near.
-  std::array<std::array<std::array<BitModel, 2>, kFew + 1>, kFew + 1> which_parent_;
-  std::array<BitModel, kFew + 1> is_shared_;
-  BitModel is_target_near_;
-  NumberModel near_targets_;
   MakerCoder<Coder> makers_;
-  RegionModels regions_;
+  std::uint32_t last_region_ = 0;
 };
 
 }  // namespace
 
 std::vector<std::byte> encode_links(const PageContent& content, std::uint32_t number,
-                                    const PageShape& shape) {
+                                    const PageShape& shape, LinkModels& models) {
   RangeWriter out;
   PageContent made;
   const std::string what = "page";
-  const auto done = LinkCoder(out, &content, number, shape, what, made).run();
+  const auto done = LinkCoder(out, models, &content, number, shape, what, made).run();
   LODE_EXPECTS(done && made == content);
   return std::move(out).take();
 }
 
 Result<void> decode_links(std::span<const std::byte> bytes, const std::string& what,
-                          std::uint32_t number, const PageShape& shape, PageContent& content) {
+                          std::uint32_t number, const PageShape& shape, LinkModels& models,
+                          PageContent& content) {
   RangeReader in(bytes);
   content = {};
-  LODE_CHECK(LinkCoder(in, nullptr, number, shape, what, content).run());
+  LODE_CHECK(LinkCoder(in, models, nullptr, number, shape, what, content).run());
   if (!in.is_at_end()) return fail("{}: expected as many bytes as were read", what);
   return {};
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "lode/models/tetra_mt/number_models.h"
 #include "lode/models/tetra_mt/ordered_bits.h"
 
 namespace lode::tetra_mt {
@@ -21,8 +20,8 @@ struct Axis {
 template <typename Coder>
 class PositionCoder {
  public:
-  PositionCoder(Coder& coder, bool is_narrow, const std::string& what)
-      : coder_(coder), is_narrow_(is_narrow), what_(what) {}
+  PositionCoder(Coder& coder, PositionModels& models, bool is_narrow, const std::string& what)
+      : coder_(coder), models_(models), is_narrow_(is_narrow), what_(what) {}
 
   Result<void> run(std::vector<Vec3d>& positions) {
     for (std::size_t axis = 0; axis < 3; ++axis) LODE_CHECK(code_table(axis, positions));
@@ -59,7 +58,7 @@ class PositionCoder {
                   table.size());
     for (std::size_t i = 0; i < table.size(); ++i) {
       const std::uint64_t before = i == 0 ? 0 : table[i - 1] + 1;
-      WideModel& model = i == 0 ? firsts_ : gaps_[axis];
+      WideModel& model = i == 0 ? models_.firsts : models_.gaps[axis];
       const std::uint64_t gap = model.code(coder_, given[i] - before);
       const bool is_after = before <= largest_ordered(is_narrow_) && (i == 0 || before > 0);
       if (!is_after || gap > largest_ordered(is_narrow_) - before)
@@ -71,7 +70,8 @@ class PositionCoder {
   Result<void> code_difference(std::size_t axis, double& coordinate) {
     Axis& at = axes_[axis];
     const std::uint64_t given = to_ordered(coordinate, is_narrow_) - at.before;
-    const std::uint64_t code = differences_[axis].code(coder_, given << 1 ^ (0 - (given >> 63)));
+    const std::uint64_t code =
+        models_.differences[axis].code(coder_, given << 1 ^ (0 - (given >> 63)));
     at.before += code >> 1 ^ (0 - (code & 1));
     if (at.before > largest_ordered(is_narrow_))
       return fail("{}: expected coordinates of float32", what_);
@@ -81,7 +81,7 @@ class PositionCoder {
   Result<void> code_place(std::size_t axis, std::uint64_t parities, std::size_t& steps,
                           double& coordinate) {
     Axis& at = axes_[axis];
-    auto& models = steps_[axis][parities][steps];
+    auto& models = models_.steps[axis][parities][steps];
     std::int64_t difference = 0;
     if (!Coder::kReads) {
       const auto place = std::ranges::lower_bound(at.table, to_ordered(coordinate, is_narrow_));
@@ -94,9 +94,9 @@ class PositionCoder {
         step = coder_.bit(models[2], difference != -1) ? farther : last;
     }
     if (step == farther) {
-      const bool is_back = coder_.bit(is_back_[axis], difference < 0);
+      const bool is_back = coder_.bit(models_.is_back[axis], difference < 0);
       const auto size = static_cast<std::uint32_t>(difference < 0 ? -difference : difference);
-      const auto found = static_cast<std::int64_t>(far_[axis].code(coder_, size - 2)) + 2;
+      const auto found = static_cast<std::int64_t>(models_.far[axis].code(coder_, size - 2)) + 2;
       difference = is_back ? -found : found;
     } else {
       difference = step == last ? -1 : static_cast<std::int64_t>(step);
@@ -116,27 +116,23 @@ class PositionCoder {
   }
 
   Coder& coder_;
+  PositionModels& models_;
   bool is_narrow_;
   const std::string& what_;
   std::array<Axis, 3> axes_;
-  WideModel firsts_;
-  std::array<WideModel, 3> gaps_;
-  std::array<WideModel, 3> differences_;
-  /// By axis, parities of all places before, and steps of the axes before.
-  std::array<std::array<std::array<std::array<BitModel, 3>, 16>, 8>, 3> steps_;
-  std::array<BitModel, 3> is_back_;
-  std::array<NumberModel, 3> far_;
 };
 
 }  // namespace
 
 template <typename Coder>
-Result<void> code_positions(Coder& coder, bool is_narrow, const std::string& what,
-                            std::vector<Vec3d>& positions) {
-  return PositionCoder<Coder>(coder, is_narrow, what).run(positions);
+Result<void> code_positions(Coder& coder, PositionModels& models, bool is_narrow,
+                            const std::string& what, std::vector<Vec3d>& positions) {
+  return PositionCoder<Coder>(coder, models, is_narrow, what).run(positions);
 }
 
-template Result<void> code_positions(RangeWriter&, bool, const std::string&, std::vector<Vec3d>&);
-template Result<void> code_positions(RangeReader&, bool, const std::string&, std::vector<Vec3d>&);
+template Result<void> code_positions(RangeWriter&, PositionModels&, bool, const std::string&,
+                                     std::vector<Vec3d>&);
+template Result<void> code_positions(RangeReader&, PositionModels&, bool, const std::string&,
+                                     std::vector<Vec3d>&);
 
 }  // namespace lode::tetra_mt

@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <memory>
 #include <span>
 
 #include "lode/models/tetra_mt/base_blocks.h"
 #include "lode/models/tetra_mt/byte_streams.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/page_blocks.h"
+#include "lode/models/tetra_mt/page_gradients.h"
+#include "lode/models/tetra_mt/page_primers.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/store/writer.h"
 
@@ -47,42 +50,67 @@ Result<void> append_base(const HierarchyHead& head, store::Writer& writer) {
   });
 }
 
-/// `encode(page, out)`: what a page of nodes, or of the base's vertices, has.
-template <typename Encode>
-Result<void> append_vertex_pages(const PageShape& shape, Kind kind, std::uint32_t level,
-                                 const Encode& encode, store::Writer& writer) {
-  const std::uint32_t n_pages = shape.n_pages() + n_pages_of(shape.n_base_vertices);
-  for (std::uint32_t page = 0; page < n_pages; ++page) {
-    StreamWriter out;
-    encode(vertices_of(shape, page), out);
-    LODE_CHECK(writer.append(key_of(kind, page, level), as_block(std::move(out).take())));
+template <typename Models>
+using PrimerBytes = Primers<Models, std::vector<std::byte>>;
+
+/// `encode(page, models)`: the bytes of a page.
+template <typename Models, typename Encode>
+Result<PrimerBytes<Models>> primers_by(std::uint32_t n_pages, const Encode& encode) {
+  return PrimerBytes<Models>::of(
+      n_pages, [&](std::uint32_t page, Models& models) -> Result<std::vector<std::byte>> {
+        return encode(page, models);
+      });
+}
+template <typename Models, typename Encode>
+std::vector<std::byte> bytes_of(std::uint32_t page, const PrimerBytes<Models>& primers,
+                                const Encode& encode) {
+  if (const auto* const bytes = primers.find(page)) return *bytes;
+  const auto models = std::make_unique<Models>(primers.models());
+  return encode(page, *models);
+}
+
+/// Pages 0 to n_pages - 1; calls of `encode` by many threads at once.
+template <typename Models, typename Encode, typename Report>
+Result<void> append_primed(std::uint32_t n_pages, Kind kind, std::uint32_t level,
+                           const Encode& encode, Threads threads, const Report& report,
+                           store::Writer& writer) {
+  constexpr std::uint32_t kPagesAtOnce = 256;
+  LODE_TRY(const auto primers, primers_by<Models>(n_pages, encode));
+  std::vector<store::EncodedBlock> blocks(kPagesAtOnce);
+  for (std::uint32_t first = 0; first < n_pages; first += kPagesAtOnce) {
+    const std::uint32_t n = std::min(kPagesAtOnce, n_pages - first);
+    parallel_for(n, threads, 1, [&](std::size_t i, int) {
+      const auto page = static_cast<std::uint32_t>(first + i);
+      blocks[i] = as_block(bytes_of(page, primers, encode));
+    });
+    for (std::uint32_t i = 0; i < n; ++i)
+      LODE_CHECK(writer.append(key_of(kind, first + i, level), blocks[i]));
+    LODE_CHECK(report(first + n));
   }
   return {};
 }
 
 Result<void> append_links(const Hierarchy& hierarchy, const PageShape& shape, Threads threads,
                           Progress& progress, store::Writer& writer) {
-  constexpr std::size_t kPagesAtOnce = 256;
-  const std::size_t n_pages = shape.n_pages();
-  std::vector<store::EncodedBlock> blocks(kPagesAtOnce);
-  for (std::size_t first = 0; first < n_pages; first += kPagesAtOnce) {
-    const std::size_t n = std::min(kPagesAtOnce, n_pages - first);
-    parallel_for(n, threads, 1, [&](std::size_t i, int) {
-      const auto number = static_cast<std::uint32_t>(first + i);
-      blocks[i] = as_block(encode_links(content_of(hierarchy, number), number, shape));
-    });
-    for (std::size_t i = 0; i < n; ++i)
-      LODE_CHECK(
-          writer.append(key_of(Kind::links, static_cast<std::uint32_t>(first + i)), blocks[i]));
-    if (progress.is_cancelled()) return cancelled_error();
-    progress.report("writing", static_cast<double>(first + n) / static_cast<double>(n_pages));
-  }
-  return append_vertex_pages(
-      shape, Kind::mesh_vertices, 0,
-      [&](const VertexRange& range, StreamWriter& out) {
-        write_differences_of(std::span(hierarchy.mesh_vertices).subspan(range.first, range.n), out);
+  LODE_CHECK(append_primed<LinkModels>(
+      shape.n_pages(), Kind::links, 0,
+      [&](std::uint32_t page, LinkModels& models) {
+        return encode_links(content_of(hierarchy, page), page, shape, models);
       },
-      writer);
+      threads,
+      [&](std::uint32_t n_done) -> Result<void> {
+        if (progress.is_cancelled()) return cancelled_error();
+        progress.report("writing", static_cast<double>(n_done) / shape.n_pages());
+        return {};
+      },
+      writer));
+  for (std::uint32_t page = 0; page < shape.n_vertex_pages(); ++page) {
+    const VertexRange range = vertices_of(shape, page);
+    StreamWriter out;
+    write_differences_of(std::span(hierarchy.mesh_vertices).subspan(range.first, range.n), out);
+    LODE_CHECK(writer.append(key_of(Kind::mesh_vertices, page), as_block(std::move(out).take())));
+  }
+  return {};
 }
 
 }  // namespace
@@ -96,6 +124,7 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
   const PageShape& shape = head.shape;
   head.fields.push_back(head_of(field, head.base_makers));
   const bool is_narrow = head.fields.back().has_narrow_values;
+  const auto no_report = [](std::uint32_t /*n_done*/) { return Result<void>(); };
   const FieldBase base = base_of(field, shape);
   const std::size_t n_base = base.values.size();
   for (std::size_t first = 0; first == 0 || first < n_base; first += kBasePart) {
@@ -108,14 +137,13 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
     LODE_CHECK(
         writer.append(key_of(Kind::base_field, part, number), as_block(std::move(out).take())));
   }
-  std::vector<store::EncodedBlock> blocks(shape.n_pages());
-  parallel_for(blocks.size(), threads, 1, [&](std::size_t i, int) {
-    const auto page = static_cast<std::uint32_t>(i);
-    const auto content = content_of(field, base.scale, shape, page);
-    blocks[i] = as_block(encode_field(content, base.scale, tree_of(page), is_narrow));
-  });
-  for (std::uint32_t page = 0; page < blocks.size(); ++page)
-    LODE_CHECK(writer.append(key_of(Kind::field, page, number), blocks[page]));
+  LODE_CHECK(append_primed<FieldModels>(
+      shape.n_pages(), Kind::field, number,
+      [&](std::uint32_t page, FieldModels& models) {
+        const auto content = content_of(field, base.scale, shape, page);
+        return encode_field(content, base.scale, tree_of(page), is_narrow, models);
+      },
+      threads, no_report, writer));
   if (field.has_world_errors) {
     const WorldCodes codes(head.lower, head.upper);
     for (std::uint32_t page = 0; page < shape.n_pages(); ++page) {
@@ -125,12 +153,13 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
           writer.append(key_of(Kind::world_errors, page, number), as_block(std::move(out).take())));
     }
   }
-  return append_vertex_pages(
-      shape, Kind::gradients, number,
-      [&](const VertexRange& range, StreamWriter& out) {
-        out.add_planes(gradients.subspan(range.first, range.n));
+  return append_primed<GradientModels>(
+      shape.n_vertex_pages(), Kind::gradients, number,
+      [&](std::uint32_t page, GradientModels& models) {
+        const VertexRange range = vertices_of(shape, page);
+        return encode_gradients(gradients.subspan(range.first, range.n), models);
       },
-      writer);
+      threads, no_report, writer);
 }
 
 Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,

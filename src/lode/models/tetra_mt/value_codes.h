@@ -14,14 +14,20 @@
 
 namespace lode::tetra_mt {
 
+struct ValueModels {
+  NumberModel steps;
+  BitModel is_above_last;
+};
+
 /// Codes values by where they are among a field's knots: a *place* in 16 bits, the knot at or below
 /// and 256ths of the way to the next one, as a difference from that before; then which of the
 /// numbers there it is.
 template <typename Coder>
 class ValueCoder {
  public:
-  ValueCoder(Coder& coder, const ValueScale& scale, bool is_narrow, const std::string& what)
-      : coder_(coder), scale_(scale), is_narrow_(is_narrow), what_(what) {
+  ValueCoder(Coder& coder, ValueModels& models, const ValueScale& scale, bool is_narrow,
+             const std::string& what)
+      : coder_(coder), models_(models), scale_(scale), is_narrow_(is_narrow), what_(what) {
     // Zeros count as -0, the smaller one.
     for (std::size_t k = 0; k < ValueScale::kKnots; ++k)
       knots_[k] = to_ordered(scale.knots()[k] == 0 ? -0.0 : scale.knots()[k], is_narrow);
@@ -32,7 +38,7 @@ class ValueCoder {
     const std::uint64_t given = to_ordered(value, is_narrow_);
     std::uint32_t place = Coder::kReads ? 0 : place_of(given);
     const auto step = static_cast<std::int32_t>(place - last_);
-    place = last_ + static_cast<std::uint32_t>(unfolded(steps_.code(coder_, folded(step))));
+    place = last_ + static_cast<std::uint32_t>(unfolded(models_.steps.code(coder_, folded(step))));
     const std::size_t knot = place / kParts;
     if (knot >= ValueScale::kKnots)
       return fail("{}: expected places of values below {}, got {}", what_,
@@ -40,7 +46,7 @@ class ValueCoder {
     last_ = place;
     std::uint64_t ordered = knots_[knot];
     if (knot + 1 == ValueScale::kKnots) {
-      ordered += coder_.bit(is_above_last_, given != ordered) ? 1 : 0;
+      ordered += coder_.bit(models_.is_above_last, given != ordered) ? 1 : 0;
     } else {
       const std::uint64_t begin = begin_of(knot, place % kParts);
       const std::uint64_t end = begin_of(knot, place % kParts + 1);
@@ -88,13 +94,12 @@ class ValueCoder {
   }
 
   Coder& coder_;
+  ValueModels& models_;
   const ValueScale& scale_;
   bool is_narrow_;
   const std::string& what_;
   std::array<std::uint64_t, ValueScale::kKnots> knots_;
   std::uint32_t last_ = ValueScale::kKnots * kParts / 2;
-  NumberModel steps_;
-  BitModel is_above_last_;
 };
 
 }  // namespace lode::tetra_mt
