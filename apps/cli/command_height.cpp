@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include "command.h"
 #include "outputs.h"
@@ -16,6 +18,7 @@ struct HeightArguments {
   TerrainQueryArguments terrain;
   std::string points_file;
   std::vector<std::string> places;
+  std::string places_crs;
   std::string output;
 };
 
@@ -34,6 +37,10 @@ Result<void> check_height(const HeightArguments& arguments) {
   if (auto places = typed_places(arguments); !places) return places.error();
   if (arguments.places.empty() && arguments.points_file.empty())
     return fail("{}: expected POINTS.csv or --at X,Y, got neither", arguments.terrain.input);
+  if (!arguments.places_crs.empty()) {
+    const Result<void> status = check_target_crs(arguments.places_crs);
+    if (!status) return fail("--places-crs: {}", status.error().message);
+  }
   std::vector<std::string> inputs{arguments.terrain.input};
   if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
   if (arguments.output.empty()) return {};
@@ -44,7 +51,8 @@ Result<void> check_height(const HeightArguments& arguments) {
 struct HeightAnswer {
   const HeightArguments& arguments;
   const TerrainAnswerer& answerer;
-  const std::vector<Place>& places;
+  const std::vector<Place>& places;  ///< As they are given.
+  const std::optional<SourceCrs>& source;
   const std::vector<TerrainHeight>& heights;
   const HeightsReport& report;
 
@@ -111,6 +119,7 @@ Outcome outcome_of(const HeightAnswer& answer, Session& session) {
   Table table;
   add_terrain_head(answer.answerer, arguments.terrain, json, table);
   json["bound_kind"] = answer.bound_kind();
+  json["places_crs"] = answer.source ? Json(answer.source->name) : Json(nullptr);
   json["places"] = answer.places.size();
   json["outside"] = answer.report.n_outside;
   json["in_gaps"] = answer.report.n_in_gaps;
@@ -121,7 +130,8 @@ Outcome outcome_of(const HeightAnswer& answer, Session& session) {
                      {"prepare", answer.report.prepare_seconds},
                      {"locate", answer.report.seconds}};
   json["warnings"] = session.warnings();
-  table.add({"places", format_count(answer.places.size())});
+  table.add({"places", format_count(answer.places.size()) +
+                           (answer.source ? ", in " + answer.source->name : "")});
   table.add({"outside", format_count(answer.report.n_outside)});
   table.add({"in gaps", format_count(answer.report.n_in_gaps)});
   table.add({"prepare", format_seconds(answer.report.prepare_seconds)});
@@ -130,6 +140,36 @@ Outcome outcome_of(const HeightAnswer& answer, Session& session) {
   outcome.text = table.to_string();
   if (arguments.output.empty()) outcome.text += '\n' + height_table(answer);
   return outcome;
+}
+
+Result<std::optional<SourceCrs>> open_places_crs(const HeightArguments& arguments,
+                                                 const HeightFrame& frame, Session& session) {
+  if (arguments.places_crs.empty()) return std::optional<SourceCrs>();
+  const Place middle = frame.world((frame.n_columns - 1) / 2.0, (frame.n_rows - 1) / 2.0);
+  auto source = open_source_crs(arguments.places_crs, frame.crs, middle[0]);
+  if (!source) return fail("{}: --places-crs: {}", arguments.terrain.input, source.error().message);
+  if (source->is_guess)
+    session.warn(fmt::format(
+        "--places-crs: PROJ knows no way between the datums of {} and of the terrain, with the "
+        "grids that are there, and takes one for the other: places may be off by hundreds of "
+        "metres",
+        source->name));
+  return std::optional(*std::move(source));
+}
+
+/// Those of the terrain's CRS.
+Result<std::vector<Place>> asked_places(const std::vector<Place>& given,
+                                        const std::optional<SourceCrs>& source) {
+  std::vector<Place> asked = given;
+  if (!source) return asked;
+  source->map->apply(asked);
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    if (std::isnan(asked[i][0]))
+      return fail(
+          "--places-crs: place {}: expected one that the CRS of the terrain has, got {:.12g}, "
+          "{:.12g} of {}",
+          i + 1, given[i][0], given[i][1], source->name);
+  return asked;
 }
 
 Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
@@ -141,10 +181,12 @@ Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
   }
   LODE_TRY(const TerrainAnswerer answerer,
            answer_terrain(arguments.terrain, session, {}, TinUse::places));
+  LODE_TRY(const auto source, open_places_crs(arguments, answerer.opened.facts.frame, session));
+  LODE_TRY(const std::vector<Place> asked, asked_places(places, source));
   std::vector<TerrainHeight> heights;
   LODE_TRY(const HeightsReport report,
-           answerer.tin.heights(places, heights, session.threads(), session.progress()));
-  const HeightAnswer answer{arguments, answerer, places, heights, report};
+           answerer.tin.heights(asked, heights, session.threads(), session.progress()));
+  const HeightAnswer answer{arguments, answerer, places, source, heights, report};
   const std::uint64_t n_off = report.n_outside + report.n_in_gaps;
   if (n_off > 0)
     session.warn(fmt::format("{} of {} places have no height: {} outside, {} in gaps", n_off,
@@ -169,10 +211,11 @@ Command add_height_command(CLI::App& program) {
       "that\n"
       "of the square or triangle that holds the place, of several the smallest.\n"
       "Places outside of the terrain, or in its gaps, have no height, and are counted.\n"
-      "POINTS.csv has x and y a line, in the raster's CRS, with a heading (x,y or lon,lat) or\n"
-      "without.\n\n"
+      "POINTS.csv has x and y a line, in the raster's CRS or that of --places-crs, with a heading\n"
+      "(x,y or lon,lat) or without. Rows that come have x and y as they are given.\n\n"
       "Examples:\n  lode height dem.tif --at 500010,4000020 --max-error 1\n"
-      "  lode height dem.tif stations.csv --out heights.csv --max-error 0");
+      "  lode height dem.tif stations.csv --out heights.csv --max-error 0\n"
+      "  lode height utm.tif gps.csv --places-crs EPSG:4326 --max-error 1");
   add_terrain_query(*app, arguments->terrain);
   add_everywhere(*app, arguments->terrain);
   app->add_option("points", arguments->points_file, "Places: x and y a line")
@@ -180,6 +223,9 @@ Command add_height_command(CLI::App& program) {
   app->add_option("--at", arguments->places, "A place; may be repeated")
       ->type_name("X,Y")
       ->allow_extra_args(false);
+  app->add_option("--places-crs", arguments->places_crs,
+                  "CRS of the places, x east or longitude first (default: that of the terrain)")
+      ->type_name("EPSG:N|WKT");
   app->add_option("-o,--output,--out", arguments->output, "Write x,y,height,bound,bound_kind")
       ->type_name("OUT.csv");
   return {app, [arguments] { return check_height(*arguments); },

@@ -1,4 +1,5 @@
 // --to-crs, in the commands that write coordinates of terrain or measure distances.
+#include <fmt/format.h>
 #include <gdal.h>
 #include <gtest/gtest.h>
 #include <ogr_api.h>
@@ -289,6 +290,68 @@ TEST(cli_to_crs_of_real_data, holds_at_all_samples_of_a_tile_in_degrees) {
   EXPECT_EQ(there.at("measured_at"), "all samples");
   EXPECT_GT(there.at("samples").get<int>(), 7000);
   EXPECT_EQ(there.at("error_met").get<bool>(), there.at("error").get<double>() <= 100);
+}
+
+/// Places typed in another CRS: GDAL puts them into the terrain's, whose own answers are the same.
+TEST_F(cli_to_crs, height_takes_places_of_another_crs) {
+  std::string degrees = "x,y\n";
+  std::string metres = "x,y\n";
+  for (int i = 0; i < 50; ++i) {
+    const double x = 10.01 + 0.019 * i;
+    const double y = 45.02 + 0.0191 * ((7 * i) % 50);
+    const auto there = mapped_by_gdal(32632, x, y);
+    degrees += fmt::format("{},{}\n", x, y);
+    metres += fmt::format("{},{}\n", there[0], there[1]);
+  }
+  write_bytes(scratch_ / "degrees.csv", degrees);
+  write_bytes(scratch_ / "metres.csv", metres);
+  const auto own = run_lode({"height", dem_, scratch_ / "degrees.csv", "--json"}).json();
+  const auto json =
+      run_lode({"height", dem_, scratch_ / "metres.csv", "--places-crs", "EPSG:32632", "--json"})
+          .json();
+  EXPECT_EQ(own.at("places_crs"), nullptr);
+  EXPECT_EQ(json.at("places_crs"), "WGS 84 / UTM zone 32N");
+  EXPECT_EQ(json.at("outside"), 0);
+  for (std::size_t i = 0; i < 50; ++i) {
+    const auto& point = json.at("points").at(i);
+    EXPECT_GT(point.at("x").get<double>(), 1e5);  // as given
+    EXPECT_NEAR(point.at("height").get<double>(), own.at("points").at(i).at("height").get<double>(),
+                1e-4);
+  }
+  ASSERT_EQ(run_lode({"height", dem_, scratch_ / "metres.csv", "--places-crs", "EPSG:32632",
+                      "--out", scratch_ / "out.csv"})
+                .exit_code,
+            0);
+  const std::string first = metres.substr(4, metres.find('\n', 4) - 4);
+  EXPECT_NE(read_bytes(scratch_ / "out.csv").find("\n" + first + ","), std::string::npos);
+}
+
+TEST_F(cli_to_crs, height_refuses_places_of_no_crs_and_those_that_are_none) {
+  const Words asked{"height", dem_, "--at", "10.5,45.5", "--places-crs"};
+  const auto with = [&](const char* crs) {
+    Words words = asked;
+    words.emplace_back(crs);
+    return run_lode(words);
+  };
+  for (const char* crs : {"EPSG:5773", "EPSG:4326+5773", "EPSG:4978", "metres"}) {
+    const Finished run = with(crs);
+    EXPECT_EQ(run.exit_code, 1) << crs;
+    EXPECT_NE(run.err.find("--places-crs"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(with("EPSG:4326").exit_code, 0);
+  // Beyond what the projection has.
+  const Finished none = run_lode(
+      {"height", dem_, "--at", "10.5,45.5", "--at", "1e9,1e9", "--places-crs", "EPSG:32632"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("place 2: expected one that the CRS of the terrain has"),
+            std::string::npos)
+      << none.err;
+  write_bytes(scratch_ / "plain.asc",
+              "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+  const Finished plain =
+      run_lode({"height", scratch_ / "plain.asc", "--at", "1,1", "--places-crs", "EPSG:4326"});
+  EXPECT_EQ(plain.exit_code, 1);
+  EXPECT_NE(plain.err.find("expected terrain whose CRS is known"), std::string::npos) << plain.err;
 }
 
 }  // namespace

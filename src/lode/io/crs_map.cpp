@@ -173,6 +173,7 @@ Result<std::shared_ptr<GdalPlaceMap>> open_map(const std::string& source, const 
   LODE_TRY(const GdalCrs from, GdalCrs::of(source));
   LODE_TRY(const GdalCrs to, GdalCrs::of(target));
   from.strip_heights();
+  to.strip_heights();
   OGRCoordinateTransformationH way = known_way(*gdal, from, to);
   is_guess = way == nullptr;
   if (is_guess) way = gdal->new_transformation(from.handle(), to.handle());
@@ -233,6 +234,25 @@ Result<TargetCrs> open_target_crs(const std::string& source, const std::string& 
         "expected a CRS of x to the right and y up, got {}, whose axes come in another order: "
         "there may be one that is the same but for that, as EPSG:5514 is for EPSG:5513",
         made.name);
+  made.map = std::move(map);
+  return made;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the CRS");
+}
+
+Result<SourceCrs> open_source_crs(const std::string& source, const std::string& target,
+                                  double middle) try {
+  LODE_CHECK(check_target_crs(source));
+  if (target.empty())
+    return fail(
+        "expected terrain whose CRS is known, for places in another one, got one without (--crs "
+        "says it, where rasters and points are read)");
+  LODE_TRY(const std::string wkt, to_wkt(source));
+  LODE_TRY(const HorizontalMetric to, read_metric(target));
+  SourceCrs made;
+  made.name = crs_name_in(wkt);
+  LODE_TRY(auto map, open_map(wkt, target, turns_of({}, to), made.is_guess));
+  map->set_near(middle);
   made.map = std::move(map);
   return made;
 } catch (const std::bad_alloc&) {

@@ -34,4 +34,17 @@ struct TargetCrs {
                                                 const std::string& target,
                                                 const Vec<double, 2>& middle);
 
+/// A CRS that places are given in, for terrain of another one.
+struct SourceCrs {
+  std::string name;
+  std::shared_ptr<const PlaceMap> map;
+  bool is_guess = false;  ///< As TargetCrs.
+};
+
+/// Places of a CRS, EPSG:N or WKT, in that of `target`, as WKT, whose heights do not matter.
+/// Longitudes there come within half a turn of x = `middle`. Fails where check_target_crs() does of
+/// the source, where the target is not known, and where there is no way to it.
+[[nodiscard]] Result<SourceCrs> open_source_crs(const std::string& source,
+                                                const std::string& target, double middle);
+
 }  // namespace lode::io
