@@ -1,17 +1,10 @@
 #include "vtk_import.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -56,24 +49,6 @@ bool is_packed_for_vtk(const std::string& path) {
          start.find("vtkLZMADataCompressor") != std::string::npos;
 }
 
-/// Beside this program, else the first in PATH; none where it is nowhere.
-std::optional<std::string> find_importer() {
-  std::error_code status;
-  const auto own = std::filesystem::read_symlink("/proc/self/exe", status);
-  std::vector<std::filesystem::path> folders;
-  if (!status) folders.push_back(own.parent_path());
-  const char* const path = std::getenv("PATH");
-  std::istringstream list(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(list, folder, ':');)
-    if (!folder.empty()) folders.emplace_back(folder);
-  for (const std::filesystem::path& folder : folders) {
-    const std::string program = (folder / kImporter).string();
-    if (std::filesystem::is_regular_file(program, status) && ::access(program.c_str(), X_OK) == 0)
-      return program;
-  }
-  return {};
-}
-
 /// A directory of our own, which goes with what is in it.
 class TemporaryFolder {
  public:
@@ -100,83 +75,17 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// A program that runs, and what it writes to stderr; what is left of it is ended with this.
-class Child {
- public:
-  static Result<Child> start(const std::vector<std::string>& words) {
-    std::array<int, 2> ends{-1, -1};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-      return fail("{}: cannot be started: {}", words[0], std::strerror(errno));
-    posix_spawn_file_actions_t actions;
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    std::vector<char*> argv;
-    argv.reserve(words.size() + 1);
-    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-    argv.push_back(nullptr);
-    pid_t process = -1;
-    const int status =
-        ::posix_spawn(&process, words[0].c_str(), &actions, nullptr, argv.data(), environ);
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::close(ends[1]);
-    if (status == 0) return Child(process, ends[0]);
-    ::close(ends[0]);
-    return fail("{}: cannot be started: {}", words[0], std::strerror(status));
-  }
-  Child(Child&& other) noexcept
-      : process_(std::exchange(other.process_, -1)), errors_(std::exchange(other.errors_, -1)) {}
-  Child& operator=(Child&&) = delete;
-  ~Child() {
-    if (process_ > 0) {
-      ::kill(process_, SIGKILL);
-      wait();
-    }
-    if (errors_ >= 0) ::close(errors_);
-  }
-
-  /// All that it says; an error once cancelled.
-  [[nodiscard]] Result<std::string> read_all(const Progress& progress) const {
-    constexpr int kPatienceMs = 100;
-    std::string text;
-    std::array<char, 4096> part{};
-    while (true) {
-      if (progress.is_cancelled()) return cancelled_error();
-      pollfd stream{errors_, POLLIN, 0};
-      if (::poll(&stream, 1, kPatienceMs) <= 0) continue;
-      const ssize_t n = ::read(errors_, part.data(), part.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return text;
-      text.append(part.data(), static_cast<std::size_t>(n));
-    }
-  }
-  /// Its exit status, as a shell says it.
-  int wait() {
-    int status = 0;
-    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
-    process_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-
- private:
-  Child(pid_t process, int errors) : process_(process), errors_(errors) {}
-
-  pid_t process_ = -1;
-  int errors_ = -1;
-};
-
 /// Runs it. Its lines are notes; of a failure the last one is the message.
 Result<void> run_importer(const std::string& path, const std::vector<std::string>& words,
                           Session& session) {
-  LODE_TRY(Child child, Child::start(words));
-  LODE_TRY(const std::string said, child.read_all(session.progress()));
-  const int exit_code = child.wait();
+  LODE_TRY(ChildProgram child, ChildProgram::start(words, ChildErrors::read));
   std::vector<std::string> lines;
-  std::istringstream stream(said);
-  for (std::string line; std::getline(stream, line);)
-    if (!line.empty()) lines.push_back(line);
+  while (true) {
+    LODE_TRY(std::optional<std::string> line, child.read_line(session.progress()));
+    if (!line) break;
+    if (!line->empty()) lines.push_back(*std::move(line));
+  }
+  const int exit_code = child.wait();
   if (exit_code == 0) {
     for (const std::string& line : lines) session.note(fmt::format("{}: {}", path, line));
     return {};
@@ -241,7 +150,7 @@ bool holds_cells(const std::string& path) {
 Result<CellMesh> read_cells(const std::string& path, const ReadingArguments& reading,
                             Session& session) {
   if (!needs_vtk_import(path)) return read_own_cells(path, reading, session);
-  const auto importer = find_importer();
+  const auto importer = find_program(kImporter);
   if (!importer)
     return fail(
         "{}: expected the program {}, which reads such files, beside lode or in PATH, found none; "

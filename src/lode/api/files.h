@@ -22,6 +22,7 @@
 #include "lode/api/tetra_dataset.h"
 #include "lode/api/tile_verification.h"
 #include "lode/core/vertical_unit.h"
+#include "lode/io/child_program.h"
 #include "lode/io/crs_map.h"
 #include "lode/io/crs_metric.h"
 #include "lode/io/height_reader.h"
@@ -52,10 +53,13 @@ using io::check_mesh_path;
 using io::check_surface_path;
 using io::check_target_crs;
 using io::check_vector_path;
+using io::ChildErrors;
+using io::ChildProgram;
 using io::ColumnType;
 using io::ComponentChoice;
 using io::describe_volume;
 using io::FileDescription;
+using io::find_program;
 using io::has_depths;
 using io::HeightEncoding;
 using io::HeightRaster;

@@ -1,6 +1,7 @@
 # Reading heights; included by CMakeLists.txt beside it.
 set(IO_HEIGHT_SOURCES
   ascii_grid.cpp
+  child_program.cpp
   covered_area.cpp
   crs_map.cpp
   crs_metric.cpp
