@@ -161,9 +161,9 @@ Result<io::HeightStream> open_above_ellipsoid(const std::string& path,
   LODE_TRY(io::HeightStream opened, io::HeightStream::open(path, reading, progress));
   const io::HeightRaster& raster = opened.raster();
   if (!is_above_something(raster) || is_above_ellipsoid(raster)) return opened;
-  io::HeightReadOptions above = reading;
-  above.vertical.target = "ellipsoid";
-  return io::HeightStream::open(path, above, progress);
+  io::VerticalOptions above = reading.vertical;
+  above.target = "ellipsoid";
+  return std::move(opened).with_vertical(above, progress);
 }
 
 /// A raster too large for memory; nothing for others.

@@ -54,12 +54,11 @@ std::vector<BorderHeight> border_through(const PlaceTransform& way,
 
 }  // namespace
 
-Result<std::vector<BorderHeight>> read_border(const std::string& path,
+Result<std::vector<BorderHeight>> read_border(const GdalRaster& raster,
                                               const HeightReadOptions& options) {
   constexpr std::int32_t kRows = 64;
   HeightReadOptions plain = options;
   plain.to_degrees.reset();
-  LODE_TRY(const GdalRaster raster, GdalRaster::open(path));
   LODE_TRY(const HeightRaster file, describe_raster(raster, plain));
   std::vector<BorderHeight> border;
   for (std::int32_t first = 0; first < file.grid.n_rows; first += kRows) {

@@ -12,6 +12,8 @@
 
 namespace lode::io {
 
+class GdalRaster;
+
 /// One of a file's outermost samples, with a height.
 struct BorderHeight {
   Vec<double, 2> place;  ///< Of the file's CRS, or where it is brought to.
@@ -26,9 +28,9 @@ struct RimHeight {
   double height = 0;
 };
 
-/// Reads a file's samples in their own CRS, in strips, and keeps the outermost ones. Fails as
-/// reading does.
-[[nodiscard]] Result<std::vector<BorderHeight>> read_border(const std::string& path,
+/// Reads a file's samples in their own CRS, which it is not yet put out of, in strips, and keeps
+/// the outermost ones. Fails as reading does.
+[[nodiscard]] Result<std::vector<BorderHeight>> read_border(const GdalRaster& raster,
                                                             const HeightReadOptions& options);
 
 /// The columns and rows of places in degrees, in a raster there. Places that degrees have not are

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -31,7 +32,7 @@ void limit_cache(const GdalRaster& file, GDALRasterBandH band) {
 struct HeightStream::Impl {
   GdalRaster file;
   HeightReadOptions options;
-  HeightRaster raster;
+  HeightRaster raster{};
   std::optional<RowTransformer> transformer{};
 };
 
@@ -45,14 +46,26 @@ Result<HeightStream> HeightStream::open(const std::string& path, const HeightRea
   LODE_TRY(GdalRaster file, GdalRaster::open(path));
   LODE_CHECK(file.state_crs(options.crs));
   if (options.to_degrees) LODE_CHECK(file.put_in_degrees(*options.to_degrees, options));
-  LODE_TRY(HeightRaster raster, describe_raster(file, options));
-  auto plan = plan_vertical(raster.grid, options.vertical, progress);
+  return of(std::make_unique<Impl>(Impl{std::move(file), options}), progress);
+}
+
+Result<HeightStream> HeightStream::of(std::unique_ptr<Impl> impl, Progress& progress) {
+  const std::string& path = impl->file.path();
+  LODE_TRY(HeightRaster raster, describe_raster(impl->file, impl->options));
+  auto plan = plan_vertical(raster.grid, impl->options.vertical, progress);
   if (!plan && progress.is_cancelled()) return plan.error();
   if (!plan) return fail("{}: {}", path, plan.error().message);
   raster.vertical = std::move(plan->outcome);
   if (plan->rows) raster.type = "float64";
-  return HeightStream(std::make_unique<Impl>(
-      Impl{std::move(file), options, std::move(raster), std::move(plan->rows)}));
+  impl->raster = std::move(raster);
+  impl->transformer = std::move(plan->rows);
+  return HeightStream(std::move(impl));
+}
+
+Result<HeightStream> HeightStream::with_vertical(const VerticalOptions& vertical,
+                                                 Progress& progress) && {
+  impl_->options.vertical = vertical;
+  return of(std::move(impl_), progress);
 }
 
 const HeightRaster& HeightStream::raster() const { return impl_->raster; }

@@ -20,6 +20,10 @@ class HeightStream {
                                                  const HeightReadOptions& options,
                                                  Progress& progress);
 
+  /// The same file, with other options of what its heights are above; it is not opened again.
+  [[nodiscard]] Result<HeightStream> with_vertical(const VerticalOptions& vertical,
+                                                   Progress& progress) &&;
+
   HeightStream(HeightStream&&) noexcept;
   HeightStream& operator=(HeightStream&&) = delete;
   ~HeightStream();
@@ -35,6 +39,7 @@ class HeightStream {
  private:
   struct Impl;
   explicit HeightStream(std::unique_ptr<Impl> impl);
+  [[nodiscard]] static Result<HeightStream> of(std::unique_ptr<Impl> impl, Progress& progress);
 
   std::unique_ptr<Impl> impl_;
 };

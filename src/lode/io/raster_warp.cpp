@@ -161,9 +161,7 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
   LODE_TRY(const Degrees degrees, choose_degrees(path_, *gdal_, crs.c_str(), pixels));
   std::vector<std::string> words = warp_words(gdal_->type(band), degrees, resampling, options);
   if (!stated_crs_.empty()) words.insert(words.end(), {"-s_srs", stated_crs_});
-  LODE_TRY(std::vector<BorderHeight> border, read_border(path_, options));
-  // Which another raster of the file took back when it was done.
-  gdal_->set_option("GTIFF_REPORT_COMPD_CS", "YES");
+  LODE_TRY(std::vector<BorderHeight> border, read_border(*this, options));
   source_ = std::exchange(dataset_, nullptr);
   LODE_CHECK(warp_source(words));
   LODE_CHECK(check_size_in_degrees(options));
