@@ -121,7 +121,7 @@ Command add_compare_command(CLI::App& program) {
       "Examples:\n  lode compare dem.tif report.html --tolerances 50,20,10,5\n"
       "  lode compare survey.las report.html --class 2 --tolerances 1,0.2");
   app->add_option("dem", arguments->input,
-                  "Raster of heights (.tif, .asc, .hgt, .png, ...) or scattered points (.las, "
+                  "Raster of heights (.tif, .asc, .hgt, .nc, .png, ...) or scattered points (.las, "
                   ".xyz, ...)")
       ->type_name("DEM")
       ->required();

@@ -387,7 +387,7 @@ constexpr const char* kFooter =
     "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
     "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
     "are isosurfaces, --mesh, --section and --boundary, with foci and --max-cells.\n\n"
-    "Of rasters of heights (.tif, .asc, .hgt, .png, ...) and scattered points (.las, .xyz, ...)\n"
+    "Of rasters of heights (.tif, .asc, .hgt, .nc, ...) and scattered points (.las, .xyz, ...)\n"
     "there is a TIN: no sample is farther from it, vertically, than --max-error. Of .lode files "
     "of\n"
     "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone,\n"

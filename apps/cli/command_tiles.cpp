@@ -42,8 +42,9 @@ Result<TerrainTileOptions> to_options(const TilesArguments& arguments) {
 
 Result<void> check_tiles(const TilesArguments& arguments) {
   if (!is_height_path(arguments.input))
-    return fail("{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got another file",
-                arguments.input);
+    return fail(
+        "{}: expected a raster of heights (.tif, .asc, .hgt, .nc, .png, ...), got another file",
+        arguments.input);
   if (auto options = to_options(arguments); !options) return options.error();
   if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
     return options.error();
@@ -158,7 +159,7 @@ Command add_tiles_command(CLI::App& program) {
       "Example:\n  lode tiles N35W119.hgt tiles --max-error 2 --vertical-crs EPSG:5773\n"
       "  lode tiles utm.tif tiles --max-error 2 --resample cubic\n"
       "  lode verify tiles --against utm.tif --resample cubic");
-  app->add_option("dem", arguments->input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
+  app->add_option("dem", arguments->input, "Raster of heights (.tif, .asc, .hgt, .nc, .png, ...)")
       ->type_name("DEM")
       ->required();
   app->add_option("folder", arguments->output, "Folder to make; may be there, if it is empty")

@@ -59,7 +59,10 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     app.add_option(name, value, help)->type_name(type)->group(group);
   };
-  add("--band", arguments.band, "N", "Band of heights, from 1 (default: 1)");
+  add("--band", arguments.band, "N",
+      "Band of heights, from 1 (default: 1); of netCDF the layer, along time and the like");
+  add("--variable", arguments.variable, "NAME",
+      "Variable of a netCDF file, in groups as deep/z (default: the only one over y and x)");
   add("--encoding", arguments.encoding, "terrain-rgb|terrarium",
       "What the colours of a picture stand for");
   if (use != TerrainUse::rasters) add_point_options(app, arguments);
@@ -140,24 +143,20 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
         path, kTerrainFiles);
   if (arguments.is_empty()) return {};
   return fail(
-      "{}: expected {} with --band, --encoding, --wrap, --resample, --oversample, --model or "
-      "--insertion, "
-      "got another file",
+      "{}: expected {} with --band, --variable, --encoding, --wrap, --resample, --oversample, "
+      "--model or --insertion, got another file",
       path, kTerrainFiles);
 }
 
 Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                 const std::vector<std::string>& allowed) {
-  constexpr std::array kAlways{"--resample",      "--oversample",
-                               "--json",          "--threads",
-                               "--quiet",         "--wrap",
-                               "--band",          "--encoding",
-                               "--nodata",        "--class",
-                               "--duplicates",    "--max-edge",
-                               "--outline",       "--crs",
-                               "--vertical-crs",  "--to-vertical-crs",
-                               "--keep-features", "--feature-relief",
-                               "--breaklines",    "--drape",
+  constexpr std::array kAlways{"--resample",       "--oversample",      "--json",
+                               "--threads",        "--quiet",           "--wrap",
+                               "--band",           "--encoding",        "--variable",
+                               "--nodata",         "--class",           "--duplicates",
+                               "--max-edge",       "--outline",         "--crs",
+                               "--vertical-crs",   "--to-vertical-crs", "--keep-features",
+                               "--feature-relief", "--breaklines",      "--drape",
                                "--drape-error"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;

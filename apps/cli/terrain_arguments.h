@@ -12,7 +12,8 @@ namespace lode::cli {
 /// The options of terrain as typed; --nodata, --max-error and --max-cells are shared with other
 /// inputs.
 struct TerrainArguments {
-  std::string band;  ///< This and the next are of rasters.
+  std::string band;  ///< This and the next two are of rasters.
+  std::string variable;
   std::string encoding;
   bool wrap = false;
   std::string resample;  ///< This and the next are of tiles.
@@ -48,7 +49,8 @@ struct TerrainArguments {
     return !vertical_crs.empty() || !to_vertical_crs.empty();
   }
   [[nodiscard]] bool has_raster() const {
-    return wrap || !band.empty() || !encoding.empty() || !resample.empty() || !oversample.empty();
+    return wrap || !band.empty() || !variable.empty() || !encoding.empty() || !resample.empty() ||
+           !oversample.empty();
   }
   [[nodiscard]] bool has_points() const {
     return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty());
@@ -61,7 +63,7 @@ struct TerrainArguments {
 
 /// What is terrain, for messages and help.
 inline constexpr const char* kTerrainFiles =
-    "a raster of heights (.tif, .asc, .hgt, .png, ...) or scattered points (.las, .xyz, ...)";
+    "a raster of heights (.tif, .asc, .hgt, .nc, .png, ...) or scattered points (.las, .xyz, ...)";
 
 enum class TerrainUse : std::uint8_t { rasters, reading, verification, extraction };
 

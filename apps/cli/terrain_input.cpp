@@ -90,8 +90,10 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
   LODE_CHECK(set_lines(arguments, options));
   if (is_point_path(path)) {
     if (arguments.has_raster())
-      return fail("{}: expected no --band, --encoding, --wrap or --resample with points, got one",
-                  path);
+      return fail(
+          "{}: expected no --band, --variable, --encoding, --wrap or --resample with points, got "
+          "one",
+          path);
     LODE_TRY(options.points, to_point_options(arguments, reading));
     LODE_TRY(options.domain, to_domain_options(arguments));
     return options;
@@ -135,6 +137,7 @@ Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
     LODE_TRY(const auto band, parse_integer("--band", arguments.band, 1, kMaxBand));
     options.band = static_cast<int>(band);
   }
+  options.variable = arguments.variable;
   if (arguments.encoding == "terrain-rgb") {
     options.encoding = HeightEncoding::terrain_rgb;
   } else if (arguments.encoding == "terrarium") {
@@ -151,6 +154,8 @@ Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
   }
   if (options.to_degrees && !arguments.encoding.empty())
     return fail("--resample: expected no --encoding with it: colours have nothing in between");
+  if (!arguments.encoding.empty() && !arguments.variable.empty())
+    return fail("--encoding: expected no --variable with it, which is of netCDF, got one");
   if (!arguments.encoding.empty() && !arguments.band.empty())
     return fail("--encoding: expected no --band with it, as it is of three bands");
   if (!reading.nodata.empty()) {
@@ -268,11 +273,8 @@ Result<void> check_terrain_model(const std::string& path, const TerrainArguments
   LODE_CHECK(check_model_of_points(path, arguments));
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
-      "{}: expected no --band, --encoding, --wrap, --nodata, --crs, --model, --insertion or "
-      "options of "
-      "lines, "
-      "points "
-      "or heights with a .lode file of terrain, got one",
+      "{}: expected no --band, --variable, --encoding, --wrap, --nodata, --crs, --model, "
+      "--insertion or options of lines, points or heights with a .lode file of terrain, got one",
       path);
 }
 

@@ -23,10 +23,9 @@ ReadingArguments reading_of(const TerrainQueryArguments& arguments) {
 }  // namespace
 
 void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, TerrainUse use) {
-  app.add_option(
-         "dem", arguments.input,
-         "Raster of heights (.tif, .asc, .hgt, .png, ...), points (.las, .xyz, ...), or a .lode "
-         "file made of these")
+  app.add_option("dem", arguments.input,
+                 "Raster of heights (.tif, .asc, .hgt, .nc, .png, ...), points (.las, .xyz, ...), "
+                 "or a .lode file made of these")
       ->type_name("DEM")
       ->required();
   app.add_option("--nodata", arguments.nodata, "Value of missing samples, instead of the file's")

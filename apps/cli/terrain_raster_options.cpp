@@ -40,11 +40,10 @@ void add_raster_options(CLI::App& app, RasterArguments& arguments) {
                  "Also write what is written less the raster that it is of, at every sample")
       ->type_name("DIFF.tif")
       ->group(group);
-  app.add_option(
-         "--against", arguments.against,
-         "With --difference, of a .lode file of a model that has not all heights itself: "
-         "the raster that it was built of, read as it is, without --band, --encoding, --wrap or "
-         "another CRS of heights")
+  app.add_option("--against", arguments.against,
+                 "With --difference, of a .lode file of a model that has not all heights itself: "
+                 "the raster that it was built of, read as it is, without --band, --variable, "
+                 "--encoding, --wrap or another CRS of heights")
       ->type_name("DEM")
       ->group(group);
 }
@@ -66,8 +65,9 @@ Result<void> check_raster_arguments(const RasterArguments& arguments, const std:
     return fail("--against: expected --difference with it, of a .lode file, got {}",
                 arguments.difference.empty() ? "none" : input);
   if (!arguments.against.empty() && !is_height_path(arguments.against))
-    return fail("--against: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got '{}'",
-                arguments.against);
+    return fail(
+        "--against: expected a raster of heights (.tif, .asc, .hgt, .nc, .png, ...), got '{}'",
+        arguments.against);
   LODE_TRY(const TerrainRasterOptions options, to_raster_options(arguments));
   if (is_point_path(input) && !options.cell)
     return fail("{}: expected --cell, the size of pixels, for a raster of points, got none", input);

@@ -25,15 +25,6 @@ TEST_F(height_reader, finds_missing_floats_by_the_decimals_of_their_files) {
   EXPECT_EQ(read((*this)("scaled.tif"), {.nodata = -9999.9}).grid.n_missing(), 2U);
 }
 
-TEST_F(height_reader, takes_no_netcdf) {
-  for (const std::string& head : {std::string("\x89HDF\r\n\x1a\n"), std::string("CDF\1")})
-    for (const char* name : {"four.nc", "gmt.grd"}) {
-      std::ofstream((*this)(name), std::ios::binary) << head << " and more";
-      EXPECT_TRUE(is_height_path((*this)(name)));
-      EXPECT_NE(refusal((*this)(name)).find("got netCDF"), std::string::npos);
-    }
-}
-
 struct Kind {
   const char* name;
   const char* driver;

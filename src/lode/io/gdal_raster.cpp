@@ -44,16 +44,25 @@ std::string without_controls(std::string text) {
   return text;
 }
 
-Result<GdalRaster> GdalRaster::open(const std::string& path) {
+Result<GdalRaster> GdalRaster::open(const std::string& path, const HeightReadOptions& options,
+                                    Progress& progress) {
   // GDAL takes URLs and the text of some formats for names, too.
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
-  LODE_CHECK(check_raster_kind(path));
+  const bool is_imported = is_netcdf(path);
+  if (!is_imported) LODE_CHECK(check_raster_kind(path));
+  if (!is_imported && !options.variable.empty())
+    return fail("{}: expected a netCDF file to choose a variable of, '{}', got another raster",
+                path, options.variable);
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   gdal->push_error_handler(gdal->quiet_handler);
   gdal->reset_errors();
   // Files of GeoTIFF 1.0 have vertical CRS, too, of which GDAL is silent unless asked.
   gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
+  if (is_imported) {
+    LODE_CHECK(raster.open_netcdf(options, progress));
+    return raster;
+  }
   const std::string type = ascii_grid_type(path);
   const std::string type_option = "DATATYPE=" + type;
   const std::array<const char*, 2> open_options{type.empty() ? nullptr : type_option.c_str(),
@@ -84,6 +93,34 @@ Result<void> GdalRaster::open_virtual() {
   return fail("{}: expected a VRT of heights, got: {}", path_, reason());
 }
 
+Result<void> GdalRaster::open_netcdf(const HeightReadOptions& options, Progress& progress) {
+  constexpr std::array<const char*, 2> kTiff{"GTiff", nullptr};
+  LODE_TRY(NetcdfRaster made, import_netcdf(path_,
+                                            {.variable = options.variable,
+                                             .layer = options.band,
+                                             .crs_is_stated = !options.crs.empty(),
+                                             .nodata_is_stated = options.nodata.has_value()},
+                                            progress));
+  imported_.emplace(std::move(made));
+  n_file_bytes_ = imported_->n_bytes;
+  gdal_->reset_errors();
+  dataset_ = gdal_->open(imported_->name().c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kTiff.data(),
+                         nullptr, nullptr);
+  if (dataset_ == nullptr)
+    return fail("{}: expected a copy of it that GDAL reads, got: {}", path_, reason());
+  stated_crs_ = imported_->crs;
+  if (!imported_->is_in_plain_degrees || !options.crs.empty()) return {};
+  LODE_TRY(stated_crs_, to_horizontal_wkt("EPSG:4326"));
+  imported_->notes.emplace_back(
+      "its longitudes and latitudes are taken for those of WGS 84, as the file does not say: --crs "
+      "says it");
+  return {};
+}
+
+std::vector<std::string> GdalRaster::notes() const {
+  return imported_ ? imported_->notes : std::vector<std::string>();
+}
+
 GdalRaster::~GdalRaster() {
   if (gdal_ == nullptr) return;
   if (dataset_ != nullptr) gdal_->close(dataset_);
@@ -94,6 +131,7 @@ GdalRaster::~GdalRaster() {
 }
 
 std::string GdalRaster::format() const {
+  if (imported_) return "netCDF";
   GDALDriverH driver = gdal_->driver(source_ != nullptr ? source_ : dataset_);
   return driver == nullptr ? "unknown" : gdal_->driver_name(driver);
 }
@@ -104,6 +142,7 @@ std::string GdalRaster::reason() const {
 }
 
 Result<GDALRasterBandH> GdalRaster::band(int number) const {
+  if (imported_) number = 1;
   if (number < 1 || number > n_bands())
     return fail("{}: expected a band from 1 to {}, got {}", path_, n_bands(), number);
   GDALRasterBandH found = gdal_->band(dataset_, number);
@@ -176,6 +215,7 @@ Result<void> GdalRaster::place(HeightRaster& raster) const {
   raster.form.geotransform = g;
   const char* pixel = gdal_->metadata(dataset_, "AREA_OR_POINT", nullptr);
   raster.form.is_point = pixel != nullptr && std::string_view(pixel) == "Point";
+  if (imported_) raster.form.is_point = imported_->is_of_points;
   // GDAL has moved what is given at samples to the corners of pixels.
   grid.to_world = {g[0] + (g[1] + g[2]) / 2, g[1], g[2], g[3] + (g[4] + g[5]) / 2, g[4], g[5]};
   const double determinant = g[1] * g[5] - g[2] * g[4];

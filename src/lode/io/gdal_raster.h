@@ -1,14 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lode/core/height_frame.h"
+#include "lode/core/progress.h"
 #include "lode/io/degrees_rim.h"
 #include "lode/io/gdal_library.h"
 #include "lode/io/height_reader.h"
+#include "lode/io/netcdf_raster.h"
 
 namespace lode::io {
 
@@ -18,8 +21,11 @@ namespace lode::io {
 /// A raster file open in GDAL, whose messages are kept from stderr meanwhile.
 class GdalRaster {
  public:
-  /// Fails on what is no regular file, or no raster.
-  [[nodiscard]] static Result<GdalRaster> open(const std::string& path);
+  /// Fails on what is no regular file, or no raster. Of the options a variable, band, nodata and
+  /// CRS matter, which import_netcdf() is told of; `progress` is told of what that does.
+  [[nodiscard]] static Result<GdalRaster> open(const std::string& path,
+                                               const HeightReadOptions& options,
+                                               Progress& progress);
 
   GdalRaster(const GdalRaster&) = delete;
   GdalRaster& operator=(const GdalRaster&) = delete;
@@ -33,6 +39,7 @@ class GdalRaster {
         is_virtual_(other.is_virtual_),
         band_faults_(std::move(other.band_faults_)),
         n_part_block_rows_(other.n_part_block_rows_),
+        imported_(std::move(other.imported_)),
         n_file_bytes_(other.n_file_bytes_) {}
   GdalRaster& operator=(GdalRaster&&) = delete;
   ~GdalRaster();
@@ -40,17 +47,19 @@ class GdalRaster {
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const GdalLibrary& gdal() const { return *gdal_; }
   [[nodiscard]] int n_bands() const { return gdal_->n_bands(dataset_); }
+  /// What reading took for granted.
+  [[nodiscard]] std::vector<std::string> notes() const;
   [[nodiscard]] std::string format() const;
   /// Whether it is put together from other files,
   [[nodiscard]] bool is_virtual() const { return is_virtual_; }
   /// whose tallest block has so many rows; 1 otherwise.
   [[nodiscard]] std::int32_t n_part_block_rows() const { return n_part_block_rows_; }
   /// Fails where there is no such band, counted from 1, or where samples of one that is put
-  /// together from files are no heights.
+  /// together from files are no heights. Of netCDF it is always what was chosen when it was opened.
   [[nodiscard]] Result<GDALRasterBandH> band(int number) const;
   /// The file's own, which says what numbers stand for also where band() is of degrees.
   [[nodiscard]] GDALRasterBandH band_of_file(int number) const {
-    return gdal_->band(source_ != nullptr ? source_ : dataset_, number);
+    return gdal_->band(source_ != nullptr ? source_ : dataset_, imported_ ? 1 : number);
   }
   /// Of samples of n_bytes in memory, and of the band's own blocks: held against what a file of its
   /// size can have.
@@ -87,6 +96,8 @@ class GdalRaster {
   [[nodiscard]] Result<void> check_size_in_degrees(const HeightReadOptions& options) const;
   /// Opens what check_virtual_raster() makes of it.
   [[nodiscard]] Result<void> open_virtual();
+  /// Opens what import_netcdf() makes of it.
+  [[nodiscard]] Result<void> open_netcdf(const HeightReadOptions& options, Progress& progress);
   /// The places of its samples.
   [[nodiscard]] Result<HeightFrame> frame_in_degrees() const;
 
@@ -99,6 +110,7 @@ class GdalRaster {
   bool is_virtual_ = false;
   std::vector<std::string> band_faults_{};  ///< CheckedVirtualRaster's.
   std::int32_t n_part_block_rows_ = 1;
+  std::optional<NetcdfRaster> imported_{};
   std::uint64_t n_file_bytes_;
 };
 

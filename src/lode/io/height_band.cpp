@@ -172,11 +172,11 @@ Result<HeightGrid> read_band(const GdalRaster& raster, GDALRasterBandH band, con
 
 Result<HeightGrid> read_typed(const GdalRaster& raster, const HeightReadOptions& options,
                               RasterRows rows, Progress* progress) {
-  LODE_TRY(GDALRasterBandH band, raster.band(options.band));
+  LODE_TRY(GDALRasterBandH band, raster.band(options.band_or_first()));
   const GdalLibrary& gdal = raster.gdal();
   GDALDataType type = gdal.type(band);
   const BandMask mask(raster, band, options);
-  GDALRasterBandH of_file = raster.band_of_file(options.band);
+  GDALRasterBandH of_file = raster.band_of_file(options.band_or_first());
   const Scaling scaling{gdal.scale(of_file, nullptr), gdal.offset(of_file, nullptr)};
   if (!std::isfinite(scaling.scale) || !std::isfinite(scaling.offset))
     return fail("{}: expected a finite scale and offset, got {} and {}", raster.path(),
@@ -288,11 +288,11 @@ Result<HeightRaster> describe_encoded(const GdalRaster& raster, const HeightRead
 }
 
 Result<HeightRaster> describe_plain(const GdalRaster& raster, const HeightReadOptions& options) {
-  LODE_TRY(GDALRasterBandH band, raster.band(options.band));
+  LODE_TRY(GDALRasterBandH band, raster.band(options.band_or_first()));
   const GdalLibrary& gdal = raster.gdal();
   const GDALDataType type = gdal.type(band);
   LODE_CHECK(check_type(raster, type));
-  if (options.to_degrees) LODE_CHECK(check_resampled(raster, options.band));
+  if (options.to_degrees) LODE_CHECK(check_resampled(raster, options.band_or_first()));
   if (raster.n_bands() >= 3 && type == GDT_Byte &&
       (raster.format() == "PNG" || raster.is_virtual()))
     return fail(
@@ -301,7 +301,7 @@ Result<HeightRaster> describe_plain(const GdalRaster& raster, const HeightReadOp
         raster.path());
   HeightRaster result;
   result.type = is_signed_byte(raster, band) ? "int8" : to_lower(gdal.type_name(type));
-  GDALRasterBandH of_file = raster.band_of_file(options.band);
+  GDALRasterBandH of_file = raster.band_of_file(options.band_or_first());
   if (gdal.scale(of_file, nullptr) != 1 || gdal.offset(of_file, nullptr) != 0)
     result.type = "scaled " + result.type;
   if (const char* unit = gdal.unit(of_file); unit != nullptr)
@@ -338,6 +338,7 @@ Result<HeightRaster> describe_raster(const GdalRaster& raster, const HeightReadO
   result.grid.n_columns = raster.n_columns();
   result.grid.n_rows = raster.n_rows();
   result.format = raster.format();
+  result.vertical.notes = raster.notes();
   LODE_CHECK(raster.place(result));
   return result;
 }

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "lode/io/height_hgt.h"
+#include "lode/io/netcdf_raster.h"
 #include "lode/io/point_reader.h"
 #include "lode/io/text.h"
 #include "lode/io/volume_reader.h"
@@ -36,13 +37,6 @@ std::string head_of(const std::string& path, std::size_t n) {
 bool is_tiff(const std::string& path) {
   const std::string head = head_of(path, 4);
   return head == "II*\0"sv || head == "MM\0*"sv || head == "II+\0"sv || head == "MM\0+"sv;
-}
-
-/// Of the classic formats, and of HDF5.
-bool is_netcdf(const std::string& path) {
-  const std::string head = head_of(path, 8);
-  return head.starts_with("CDF\1"sv) || head.starts_with("CDF\2"sv) ||
-         head.starts_with("CDF\5"sv) || head == "\x89HDF\r\n\x1a\n"sv;
 }
 
 bool is_erdas(const std::string& path) {
@@ -85,8 +79,10 @@ std::span<const char* const> part_drivers() { return kDrivers; }
 Result<void> check_raster_kind(const std::string& path) {
   // Its driver in GDAL 3.6 crashed on 3 of 70 damaged files.
   if (is_netcdf(path))
-    return fail("{}: expected {}, got netCDF: gdal_translate makes a GeoTIFF of it", path,
-                kRasterFormats);
+    return fail(
+        "{}: expected a raster that GDAL may open here, got netCDF: gdal_translate makes a "
+        "GeoTIFF of it",
+        path);
   if (!to_lower(path).ends_with(".sdat")) return {};
   if (const std::string factor = saga_factor(path); !factor.empty())
     return fail("{}: expected a Z_FACTOR of 1 in its .sgrd, got {}", path, quoted(factor));
@@ -96,13 +92,17 @@ Result<void> check_raster_kind(const std::string& path) {
 bool is_height_path(const std::string& path) {
   if (is_hgt_path(path)) return true;
   const std::string name = to_lower(path);
-  constexpr std::array kSure{".tif", ".tiff", ".asc", ".png",  ".dem", ".bil", ".flt", ".dt0",
-                             ".dt1", ".dt2",  ".jp2", ".sdat", ".nc",  ".grd", ".bt",  ".vrt"};
+  constexpr std::array kSure{".tif", ".tiff", ".asc", ".png", ".dem", ".bil",
+                             ".flt", ".dt0",  ".dt1", ".dt2", ".jp2", ".sdat",
+                             ".nc",  ".nc4",  ".cdf", ".grd", ".bt",  ".vrt"};
   if (ends_with_any(name, kSure)) return true;
   constexpr std::array kOfEnvi{".img", ".dat", ".bip", ".bsq"};
   if (ends_with_any(name, kOfEnvi) && has_envi_header(path)) return true;
   if (name.ends_with(".img")) return is_erdas(path);
-  return !is_volume_path(path) && !is_point_path(path) && is_tiff(path);
+  // Meshes of Exodus and CGNS are netCDF and HDF5, too.
+  constexpr std::array kOfMeshes{".e", ".exo", ".ex2", ".g", ".cgns"};
+  if (is_volume_path(path) || is_point_path(path)) return false;
+  return is_tiff(path) || (!ends_with_any(name, kOfMeshes) && is_netcdf(path));
 }
 
 }  // namespace lode::io

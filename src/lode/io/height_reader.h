@@ -21,7 +21,10 @@ enum class HeightEncoding : std::uint8_t { none, terrain_rgb, terrarium };
 enum class Resampling : std::uint8_t { nearest, bilinear, cubic };
 
 struct HeightReadOptions {
-  int band = 1;  ///< Of a raster, from 1.
+  /// Of a raster, from 1; of netCDF the layer along dimensions but the last two. None: the first,
+  /// of netCDF the only one.
+  std::optional<int> band{};
+  std::string variable{};  ///< Of netCDF, in groups as "deep/z"; empty: the only one.
   HeightEncoding encoding = HeightEncoding::none;
   std::optional<double> nodata{};  ///< Instead of what the file says.
   /// As WKT, EPSG:N or EPSG:N+M, of a raster whose file says none; empty: not known.
@@ -32,6 +35,8 @@ struct HeightReadOptions {
   /// of no encoding.
   std::optional<Resampling> to_degrees{};
   int oversampling = 1;  ///< Then: so many samples along each axis for one of the file's, or more.
+
+  [[nodiscard]] int band_or_first() const { return band.value_or(1); }
 };
 
 /// What the heights of a raster file are put in, for files that are to be like it.
@@ -52,7 +57,8 @@ struct HeightRaster {
   VerticalOutcome vertical{};
 };
 
-/// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL.
+/// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL,
+/// of netCDF what import_netcdf() makes of it.
 /// Samples are taken at the middle of pixels, wherever AREA_OR_POINT says that the file's position
 /// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Heights
 /// are in the unit of the CRS's vertical part, where it has one, and set_vertical() is done. Fails,

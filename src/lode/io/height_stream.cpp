@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "lode/io/gdal_raster.h"
 #include "lode/io/height_band.h"
@@ -43,7 +44,7 @@ HeightStream::~HeightStream() = default;
 Result<HeightStream> HeightStream::open(const std::string& path, const HeightReadOptions& options,
                                         Progress& progress) {
   if (is_hgt_path(path)) return fail("{}: expected a raster that GDAL reads", path);
-  LODE_TRY(GdalRaster file, GdalRaster::open(path));
+  LODE_TRY(GdalRaster file, GdalRaster::open(path, options, progress));
   LODE_CHECK(file.state_crs(options.crs));
   if (options.to_degrees) LODE_CHECK(file.put_in_degrees(*options.to_degrees, options));
   return of(std::make_unique<Impl>(Impl{std::move(file), options}), progress);
@@ -55,7 +56,9 @@ Result<HeightStream> HeightStream::of(std::unique_ptr<Impl> impl, Progress& prog
   auto plan = plan_vertical(raster.grid, impl->options.vertical, progress);
   if (!plan && progress.is_cancelled()) return plan.error();
   if (!plan) return fail("{}: {}", path, plan.error().message);
+  std::vector<std::string> notes = std::exchange(raster.vertical.notes, {});
   raster.vertical = std::move(plan->outcome);
+  raster.vertical.notes.insert(raster.vertical.notes.begin(), notes.begin(), notes.end());
   if (plan->rows) raster.type = "float64";
   impl->raster = std::move(raster);
   impl->transformer = std::move(plan->rows);
@@ -81,7 +84,7 @@ std::uint64_t HeightStream::n_bytes() const {
 
 Result<void> HeightStream::read(std::int32_t first, std::int32_t n_rows,
                                 std::span<double> out) const {
-  LODE_TRY(GDALRasterBandH band, impl_->file.band(impl_->options.band));
+  LODE_TRY(GDALRasterBandH band, impl_->file.band(impl_->options.band_or_first()));
   limit_cache(impl_->file, band);
   LODE_TRY(const HeightGrid grid, read_rows(impl_->file, impl_->options, {first, n_rows}, nullptr));
   copy_rows(grid, 0, n_rows, out);

@@ -144,7 +144,7 @@ std::vector<std::string> with_extent(std::vector<std::string> words, const Heigh
 Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadOptions& options) {
   if (options.encoding != HeightEncoding::none)
     return fail("{}: expected no encoding of a raster that is resampled, got one", path_);
-  LODE_TRY(GDALRasterBandH band, this->band(options.band));
+  LODE_TRY(GDALRasterBandH band, this->band(options.band_or_first()));
   LODE_CHECK(check_size(band, 1));  // before GDAL takes memory for its blocks
   const std::string crs = this->crs();
   if (crs.empty())

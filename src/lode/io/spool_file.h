@@ -35,6 +35,8 @@ class SpoolFile {
   /// Fills `out` from `offset`; all of it must have been appended.
   [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> out) const;
   [[nodiscard]] std::uint64_t size() const { return n_written_ + buffer_.size(); }
+  /// For another program that fills it, of which then nothing is to be appended here.
+  [[nodiscard]] int descriptor() const { return descriptor_; }
 
  private:
   SpoolFile(std::string directory, IoTallyPtr tally);

@@ -29,7 +29,7 @@ constexpr std::string_view kVolumeExtensions =
 constexpr std::string_view kOtherFiles =
     "a mesh of cells (.vtu .vts .vtk .msh .mesh; by lode-vtk-import Exodus II, CGNS, EnSight, "
     "OpenFOAM, PLOT3D, .pvtu .pvts .vtm), a raster of heights (.tif .asc .hgt .png .dem .bil .flt "
-    ".dt0 .dt1 .dt2 .img .jp2 .sdat .grd .bt) or scattered points (.las .xyz .txt .csv)";
+    ".dt0 .dt1 .dt2 .img .jp2 .sdat .grd .bt .nc) or scattered points (.las .xyz .txt .csv)";
 
 using Reader = Result<Image> (*)(const std::string& path, const SampleStorage& storage);
 
