@@ -91,9 +91,7 @@ class FarLinks {
     std::vector<std::uint16_t> offsets{};
   };
 
-  [[nodiscard]] std::uint32_t n_all_pages() const {
-    return shape_.n_vertex_pages();
-  }
+  [[nodiscard]] std::uint32_t n_all_pages() const { return shape_.n_vertex_pages(); }
   void take(std::vector<std::uint32_t> vertices) {
     std::ranges::sort(vertices, {},
                       [&](std::uint32_t v) { return std::pair(page_of(shape_, v), v); });
