@@ -30,8 +30,10 @@ inline tetra_mt::Hierarchy hierarchy_of(const TetraMesh& mesh, std::uint64_t bas
 inline tetra_mt::GradientsOf codes_of(const tetra_mt::Hierarchy& hierarchy) {
   return [n = hierarchy.positions.size()](std::size_t field) {
     std::vector<std::uint32_t> codes;
-    for (std::uint32_t v = 0; v < n; ++v)
-      codes.push_back((v + static_cast<std::uint32_t>(field)) * 2654435761U >> 2);  // of 30 bits
+    for (std::uint32_t v = 0; v < n; ++v) {
+      const std::uint32_t any = (v + static_cast<std::uint32_t>(field)) * 2654435761U;
+      codes.push_back(any & ~(1U << 11 | 1U << 23));  // directions up to 2047
+    }
     return codes;
   };
 }

@@ -7,8 +7,7 @@ namespace lode::tetra_mt {
 namespace {
 
 constexpr std::uint32_t kMask = (1U << kGradientBits) - 1;
-/// Odd, so that both axes and the middle have codes.
-constexpr double kSteps = (1 << kGradientBits) - 2;
+constexpr double kSteps = kGradientSteps;
 constexpr int kLowest = -63;  ///< Octave.
 
 /// Quarters of an octave are linear: exact on all machines.

@@ -10,7 +10,7 @@ namespace {
 /// One of a gradient's three numbers, along a page.
 struct Course {
   int n_code_bits;
-  std::uint32_t last = 1U << (n_code_bits - 1);
+  std::uint32_t last;
   std::size_t n_bits = 0;  ///< Of the last difference, as many as codes have at most.
 };
 
@@ -21,13 +21,14 @@ class GradientCoder {
   GradientCoder(Coder& coder, GradientModels& models) : coder_(coder), models_(models) {}
 
   std::uint32_t code(std::uint32_t given) {
-    constexpr std::uint32_t kCoordinate = (1U << kGradientBits) - 1;
+    constexpr std::uint32_t kMost = (1U << kGradientBits) - 1;
     const std::uint32_t l =
         code_from(length_, models_.lengths[length_.n_bits], given >> (2 * kGradientBits));
-    const std::uint32_t u = code_from(u_, models_.coordinates[0][u_.n_bits], given & kCoordinate);
+    const std::uint32_t u = code_from(u_, models_.coordinates[0][u_.n_bits], given & kMost);
     const std::uint32_t v = code_from(v_, models_.coordinates[1][(u_.n_bits + v_.n_bits) / 2],
-                                      given >> kGradientBits & kCoordinate);
-    is_valid_ = is_valid_ && l < 1U << kGradientLengthBits && u <= kCoordinate && v <= kCoordinate;
+                                      given >> kGradientBits & kMost);
+    is_valid_ =
+        is_valid_ && l < 1U << kGradientLengthBits && u <= kGradientSteps && v <= kGradientSteps;
     return u | v << kGradientBits | l << (2 * kGradientBits);
   }
   [[nodiscard]] bool is_valid() const { return is_valid_; }
@@ -45,9 +46,9 @@ class GradientCoder {
 
   Coder& coder_;
   GradientModels& models_;
-  Course length_{kGradientLengthBits};
-  Course u_{kGradientBits};
-  Course v_{kGradientBits};
+  Course length_{kGradientLengthBits, 1U << (kGradientLengthBits - 1)};
+  Course u_{kGradientBits, kGradientSteps / 2};
+  Course v_{kGradientBits, kGradientSteps / 2};
   bool is_valid_ = true;
 };
 
@@ -70,7 +71,8 @@ Result<std::vector<std::uint32_t>> decode_gradients(std::span<const std::byte> b
   std::vector<std::uint32_t> codes(n);
   for (std::uint32_t& code : codes) {
     code = coder.code(0);
-    if (!coder.is_valid()) return fail("{}: expected gradients of {} bits", what, kGradientBits);
+    if (!coder.is_valid())
+      return fail("{}: expected codes of gradients up to {}", what, kGradientSteps);
   }
   if (!in.is_at_end()) return fail("{}: expected as many bytes as were read", what);
   return codes;
