@@ -1,10 +1,7 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <functional>
 #include <set>
 #include <span>
 
@@ -14,29 +11,17 @@
 #include "lode/models/terrain/insertions/local_selection.h"
 #include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/persist.h"
-#include "lode/store/reader.h"
-#include "lode/store/writer.h"
 #include "tests/oracles/random.h"
 #include "tests/terrain/insertions_fixtures.h"
+#include "tests/terrain/model_files.h"
 
 namespace lode::insertions {
 namespace {
 
+using lode::test::put;
+using lode::test::rewrite;
+using lode::test::ScratchFile;
 using test::hills;
-
-/// A file that goes with the test.
-class ScratchFile {
- public:
-  explicit ScratchFile(const std::string& name)
-      : path_(testing::TempDir() + "lode_insertions_" + std::to_string(::getpid()) + "_" + name) {}
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  ~ScratchFile() { std::filesystem::remove(path_); }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 using test::kModels;
 
@@ -127,28 +112,6 @@ TEST(insertions_point_file, has_all_that_was_saved) {
   }
 }
 
-/// Changes raw bytes of blocks, which are parts of columns, or pages; the metadata are column 0.
-using Change =
-    std::function<void(std::uint32_t column, std::uint32_t part, std::vector<std::byte>& bytes)>;
-
-/// A file of the same blocks, changed, with checksums that are right.
-void rewrite(const std::string& from, const std::string& to, const Change& change) {
-  const auto reader = store::Reader::open(from);
-  ASSERT_TRUE(reader);
-  std::vector<std::byte> metadata(reader->metadata().begin(), reader->metadata().end());
-  change(0, 0, metadata);
-  auto writer = store::Writer::create(to, reader->model(), metadata);
-  ASSERT_TRUE(writer);
-  for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
-    const store::BlockEntry& block = reader->blocks()[i];
-    auto bytes = reader->read_block(i);
-    ASSERT_TRUE(bytes);
-    change(block.key.kind, static_cast<std::uint32_t>(block.key.position[0]), *bytes);
-    ASSERT_TRUE(writer->append(block.key, store::encode_block({.raw = *bytes, .size = 1})));
-  }
-  ASSERT_TRUE(writer->finish());
-}
-
 void expect_refused(const std::string& path, const std::string& why) {
   Progress progress;
   const auto opened = open(path, progress);
@@ -156,12 +119,6 @@ void expect_refused(const std::string& path, const std::string& why) {
   const std::string& message = opened.error().message;
   EXPECT_NE(message.find(path), std::string::npos) << message;
   EXPECT_NE(message.find(why), std::string::npos) << message;
-}
-
-template <typename T>
-void put(std::vector<std::byte>& bytes, std::size_t at, T value) {
-  ASSERT_LE(at + sizeof(T), bytes.size());
-  std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
 TEST(insertions_lies, are_named) {

@@ -13,17 +13,6 @@ namespace {
 using delaunay::LatticePoint;
 using terrain_file::read_column;
 
-template <typename T>
-Result<void> read_base_heights(const store::Reader& reader, std::uint64_t n, History& history) {
-  LODE_TRY(const std::vector<T> heights, read_column<T>(reader, key_of(Column::height), n));
-  history.heights.assign(heights.begin(), heights.end());
-  for (const double z : history.heights)
-    if (!(z >= history.range.lower && z <= history.range.upper))
-      return fail("{}: expected heights from {} to {}, got {}", reader.path(), history.range.lower,
-                  history.range.upper, z);
-  return {};
-}
-
 Result<void> read_vertices(const store::Reader& reader, const FileHead& head, History& history) {
   const std::uint64_t n = head.n_base_vertices;
   LODE_TRY(const auto xs, read_column<std::int32_t>(reader, key_of(Column::x), n));
@@ -45,11 +34,8 @@ Result<void> read_vertices(const store::Reader& reader, const FileHead& head, Hi
         "row {}",
         reader.path(), twice->x, twice->y);
   history.n_base_vertices = head.n_base_vertices;
-  switch (head.type) {
-    case HeightType::int16: return read_base_heights<std::int16_t>(reader, n, history);
-    case HeightType::float32: return read_base_heights<float>(reader, n, history);
-    case HeightType::float64: return read_base_heights<double>(reader, n, history);
-  }
+  LODE_TRY(history.heights,
+           terrain_file::read_heights(reader, key_of(Column::height), head.type, n, history.range));
   return {};
 }
 

@@ -25,18 +25,17 @@ Result<void> read_counts(store::ByteReader& in, const std::string& path, FileHea
   LODE_TRY(head.n_base_triangles, in.read<std::uint32_t>());
   LODE_TRY(head.n_nodes, in.read<std::uint32_t>());
   LODE_TRY(head.n_triangles, in.read<std::uint32_t>());
-  LODE_TRY(const auto type, in.read<std::uint8_t>());
-  head.type = static_cast<HeightType>(type);
+  LODE_TRY(head.type, terrain_file::read_stored_height(in, path));
   constexpr std::uint32_t kMost = 1U << 30;
   const bool are_plausible = head.n_base_triangles >= 1 && head.n_base_vertices >= 3 &&
                              head.n_base_vertices < kMost && head.n_nodes < kMost &&
                              head.n_base_triangles < kMost &&
                              head.n_triangles >= head.n_base_triangles;
-  if (!are_plausible || type < 1 || type > 3)
+  if (!are_plausible)
     return fail(
-        "{}: metadata: expected counts of a triangulation and a type of heights, got {} and {} "
-        "vertices, {} of {} triangles, type {}",
-        path, head.n_base_vertices, head.n_nodes, head.n_base_triangles, head.n_triangles, type);
+        "{}: metadata: expected counts of a triangulation, got {} and {} vertices, {} of {} "
+        "triangles",
+        path, head.n_base_vertices, head.n_nodes, head.n_base_triangles, head.n_triangles);
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "lode/models/terrain/terrain_file/columns.h"
+#include "lode/models/terrain/terrain_file/stored_heights.h"
 
 namespace lode::insertions {
 
@@ -23,7 +24,7 @@ enum class Column : std::uint32_t {
   made = 11,    ///< uint16 by triangle that a page's nodes make: its error. A block a page.
 };
 
-enum class HeightType : std::uint8_t { int16 = 1, float32 = 2, float64 = 3 };
+using HeightType = terrain_file::StoredHeight;
 
 /// Of the metadata and the columns; files of another one are refused.
 inline constexpr std::uint32_t kLayout = 4;

@@ -1,7 +1,4 @@
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <span>
 
 #include "lode/models/terrain/insertions/file_layout.h"
@@ -17,18 +14,6 @@ namespace lode::insertions {
 namespace {
 
 using terrain_file::append_column;
-
-/// The narrowest that holds all heights exactly.
-HeightType type_of(std::span<const double> heights) {
-  const auto all = [&](const auto& holds) { return std::ranges::all_of(heights, holds); };
-  if (all([](double z) {
-        return std::abs(z) <= 32767 && z == std::floor(z) && !(z == 0 && std::signbit(z));
-      }))
-    return HeightType::int16;
-  if (all([](double z) { return static_cast<double>(static_cast<float>(z)) == z; }))
-    return HeightType::float32;
-  return HeightType::float64;
-}
 
 std::vector<std::byte> encode_head(const LevelledHistory& levelled,
                                    std::span<const LevelFacts> facts, HeightType type,
@@ -68,24 +53,14 @@ std::uint16_t upper_half(float error) {
   return static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(error) >> 16);
 }
 
-template <typename T>
-Result<void> append_heights(const History& history, store::Writer& writer) {
-  return append_column<T>(
-      key_of(Column::height), history.n_base_vertices,
-      [&](std::size_t i) { return static_cast<T>(history.heights[i]); }, writer);
-}
-
 Result<void> append_base(const History& history, HeightType type, store::Writer& writer) {
   const std::uint64_t n = history.n_base_vertices;
   LODE_CHECK(append_column<std::int32_t>(
       key_of(Column::x), n, [&](std::size_t i) { return history.vertices[i].x; }, writer));
   LODE_CHECK(append_column<std::int32_t>(
       key_of(Column::y), n, [&](std::size_t i) { return history.vertices[i].y; }, writer));
-  switch (type) {
-    case HeightType::int16: LODE_CHECK(append_heights<std::int16_t>(history, writer)); break;
-    case HeightType::float32: LODE_CHECK(append_heights<float>(history, writer)); break;
-    case HeightType::float64: LODE_CHECK(append_heights<double>(history, writer)); break;
-  }
+  LODE_CHECK(terrain_file::append_heights(key_of(Column::height), type,
+                                          std::span(history.heights).first(n), writer));
   LODE_CHECK(append_column<std::uint32_t>(
       key_of(Column::corners), 3 * std::size_t{history.n_base_triangles()},
       [&](std::size_t i) { return history.triangles[i / 3].corner[i % 3]; }, writer));
@@ -177,7 +152,7 @@ Result<void> append_pages(const History& history, HeightType type, const PagePla
 Result<std::uint64_t> save(const LevelledHistory& levelled, const std::string& path,
                            Progress& progress, PageSize page_size) {
   const History& history = levelled.history;
-  const HeightType type = type_of(history.heights);
+  const HeightType type = terrain_file::narrowest(history.heights);
   std::vector<LevelFacts> facts = levelled.facts;
   if (facts.empty()) {
     LODE_TRY(facts, find_facts(levelled, progress));
