@@ -94,6 +94,8 @@ class TriangleLists {
   [[nodiscard]] bool has_links() const { return !links_.first.empty(); }
   /// Of all levels, one list after the other.
   [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
+  /// Of a level's list, or after the last one.
+  [[nodiscard]] std::uint32_t first_entry(std::size_t level) const { return first_[level]; }
   [[nodiscard]] std::span<const std::uint32_t> links_of(std::uint32_t entry) const {
     return links_.of(entry);
   }
