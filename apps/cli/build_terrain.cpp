@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "outputs.h"
+#include "parse.h"
 #include "stopwatch.h"
 #include "terrain_facts.h"
 #include "tolerance.h"
@@ -37,6 +38,14 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
   LODE_TRY(ToleranceList levels, to_levels(job.levels));
   options.levels = std::move(levels.values);
   options.levels_are_shares = levels.are_shares;
+  if (!job.memory_limit.empty()) {
+    if (!has_links(options.model))
+      return fail(
+          "--memory-limit: expected --model complete_pyramid or linked_triangle_lists with it, "
+          "whose links it limits, got {}",
+          terrain.model);
+    LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", job.memory_limit));
+  }
   if (!options.levels.empty() && options.model == TerrainModel::implicit_delaunay_pyramid)
     return fail("--levels: expected none with --model {}, which finds its own", terrain.model);
   return options;
@@ -45,7 +54,7 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
 /// Of BuiltTerrainInfo::n_nodes, one of them.
 const char* what_nodes_are(TerrainModel model) {
   if (is_quadtree(model)) return "a square";
-  if (is_hierarchy(model)) return "a vertex";
+  if (is_hierarchy(model) || is_pyramid_of_levels(model)) return "a vertex";
   return model == TerrainModel::right_triangle_bisection ? "a sample" : "an insertion";
 }
 
@@ -63,7 +72,7 @@ void warn_of_many(const BuiltTerrainInfo& info, const OpenedTerrain& opened, Ses
 }  // namespace
 
 Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app) {
-  LODE_CHECK(check_only_terrain(app, job.input, {"--levels", "--model"}));
+  LODE_CHECK(check_only_terrain(app, job.input, {"--levels", "--model", "--memory-limit"}));
   if (!is_lode_path(job.output))
     return fail("{}: expected an output that ends in .lode", job.output);
   if (auto options = to_options(job); !options) return options.error();
@@ -81,6 +90,12 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   } else if (model == TerrainModel::right_triangle_bisection) {
     json["first_triangles"] = info.n_base_triangles;
     json["kept_samples"] = info.n_kept;
+  } else if (is_pyramid_of_levels(model)) {
+    json["vertices"] = info.n_nodes;
+    json["first_triangles"] = info.n_base_triangles;
+    json["triangles_kept"] = info.n_triangles;
+    json["links"] = info.n_links;
+    json["fixed_edges"] = info.n_lines;
   } else if (is_hierarchy(model)) {
     json["vertices"] = info.n_nodes;
     json["first_triangles"] = info.n_base_triangles;
@@ -93,6 +108,10 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
     json["fixed_edges"] = info.n_lines;
   }
   json["memory_bytes"] = info.memory_bytes;
+  for (const BuiltTerrainInfo::Part& part : info.parts)
+    json["parts"].push_back({{"name", part.name},
+                             {"memory_bytes", part.memory_bytes},
+                             {"file_bytes", part.file_bytes}});
   json["finest_error"] = info.max_error;
   json["error_kind"] = "at samples";
   table.add({"range", format_heights(info.range.lower, info.range.upper)});
@@ -107,11 +126,20 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
     table.add({"squares", format_count(info.n_nodes)});
   } else if (model == TerrainModel::right_triangle_bisection) {
     table.add({"first triangles", format_count(info.n_base_triangles)});
+  } else if (is_pyramid_of_levels(model)) {
+    table.add({"vertices", format_count(info.n_nodes)});
+    table.add({"triangles kept", format_count(info.n_triangles)});
+    if (info.n_links > 0) table.add({"links", format_count(info.n_links)});
   } else {
     table.add({is_hierarchy(model) ? "vertices" : "insertions", format_count(info.n_nodes)});
     table.add({"triangles ever", format_count(info.n_triangles)});
   }
   table.add({"memory", format_bytes(info.memory_bytes)});
+  for (const BuiltTerrainInfo::Part& part : info.parts)
+    table.add({part.name, fmt::format("{} in memory", format_bytes(part.memory_bytes)) +
+                              (part.file_bytes > 0
+                                   ? fmt::format(", {} in the file", format_bytes(part.file_bytes))
+                                   : "")});
   table.add({"finest error", fmt::format("{} at samples", format_number(info.max_error))});
   json["levels"] = Json::array();
   for (const BuiltTerrainInfo::Level& level : info.levels) {

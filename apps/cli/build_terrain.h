@@ -12,6 +12,7 @@ struct TerrainBuildJob {
   std::string input;
   std::string output;
   std::string levels;
+  std::string memory_limit;
   TerrainArguments terrain;
   ReadingArguments reading;
 };

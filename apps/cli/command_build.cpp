@@ -39,7 +39,7 @@ struct BuildArguments {
             at,           reading};
   }
   [[nodiscard]] TerrainBuildJob of_terrain() const {
-    return {input, output, levels, terrain, reading};
+    return {input, output, levels, memory_limit, terrain, reading};
   }
 };
 

@@ -34,7 +34,8 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   if (!answer.job.raster.difference.empty())
     json["outputs"].push_back(answer.job.raster.difference);
   json["model"] = name_of(answer.opened.model);
-  if (!is_on_squares(answer.opened.model) && !is_hierarchy(answer.opened.model))
+  if (!is_on_squares(answer.opened.model) && !is_hierarchy(answer.opened.model) &&
+      !is_pyramid_of_levels(answer.opened.model))
     json["insertion"] = name_of(answer.order);
   json["is_uniform"] = report.is_uniform;
   const auto& focus = answer.options.focus;
@@ -164,7 +165,8 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
                     format_count(n_triangles), format_count(full)));
   if (!report.budget_met)
     session.warn(fmt::format("--max-cells is not met: {} has {} triangles",
-                             is_hierarchy(opened.model) ? "the coarsest level"
+                             is_hierarchy(opened.model) || is_pyramid_of_levels(opened.model)
+                                 ? "the coarsest level"
                              : opened.lines.has_value() ? "the outline with its lines"
                                                         : "the outline alone",
                              report.triangles));

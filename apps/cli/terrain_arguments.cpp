@@ -95,7 +95,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add("--model", arguments.model, "MODEL",
       "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
       "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
-      "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
+      "may vary; complete_pyramid, triangle_lists, linked_triangle_lists: the pyramid in levels; "
+      "surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
       "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation, "
       "hierarchical_delaunay: in levels, and between them, which may vary");
   add("--insertion", arguments.insertion, "levels|strict|tiles",

@@ -238,7 +238,8 @@ Result<void> check_lined_model(const std::string& path, const TerrainArguments& 
   const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
   if (is_of_any_points(*model) || !has_breaklines) return {};
   return fail(
-      "{}: expected --model delaunay_selector, delaunay_pyramid, ternary_triangulation, "
+      "{}: expected --model delaunay_selector, delaunay_pyramid, complete_pyramid, triangle_lists, "
+      "linked_triangle_lists, ternary_triangulation, "
       "implicit_delaunay_pyramid, adaptive_triangulation or hierarchical_delaunay with "
       "--breaklines, got '{}', which has no edges but those of squares: --keep-features and "
       "--feature-relief are for all models",
@@ -250,6 +251,7 @@ Result<void> check_model_of_points(const std::string& path, const TerrainArgumen
   if (!is_point_path(path) || !model || is_of_any_points(*model)) return {};
   return fail(
       "{}: expected a raster with --model {}, got scattered points: delaunay_pyramid, "
+      "complete_pyramid, triangle_lists, linked_triangle_lists, "
       "ternary_triangulation, implicit_delaunay_pyramid, adaptive_triangulation and "
       "hierarchical_delaunay can be built of these",
       path, arguments.model);
@@ -299,7 +301,7 @@ Result<std::optional<TerrainBuildOptions>> to_build_options(const TerrainArgumen
 }
 
 void choose_levels(const std::optional<double>& finest, TerrainBuildOptions& building) {
-  if (!is_hierarchy(building.model)) return;
+  if (!is_hierarchy(building.model) && !is_pyramid_of_levels(building.model)) return;
   building.levels.clear();
   if (!finest) return;
   constexpr int kDoublings = 10;

@@ -11,6 +11,7 @@
 #include "lode/api/hierarchy_terrain.h"
 #include "lode/api/insertions_terrain.h"
 #include "lode/api/opened_insertions.h"
+#include "lode/api/pyramid_terrain.h"
 #include "lode/api/quadtree_terrain.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/delaunay/grid_domain.h"
@@ -41,6 +42,22 @@ std::vector<double> levels_of(const TerrainBuildOptions& options, const HeightRa
   std::vector<double> levels;
   for (const double share : options.levels) levels.push_back(share * height);
   return levels;
+}
+
+/// The model of insertions that the options name.
+Result<std::shared_ptr<const BuiltModel>> keep_insertions(insertions::History history,
+                                                          const TerrainBuildOptions& options,
+                                                          std::vector<double> levels,
+                                                          Progress& progress) {
+  history.sample_type = options.sample_type;
+  history.has_place = options.has_place;
+  if (is_pyramid_of_levels(options.model)) {
+    LODE_TRY(auto made, PyramidTerrain::build(history, options, levels, progress));
+    return std::shared_ptr<const BuiltModel>(std::move(made));
+  }
+  if (!history.is_worst_first()) levels.clear();
+  return std::shared_ptr<const BuiltModel>(std::make_shared<const InsertionsTerrain>(
+      insertions::LevelledHistory{std::move(history), std::move(levels)}));
 }
 
 /// Nothing where the file is of none, or cannot be read.
@@ -88,11 +105,8 @@ Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBu
     return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(made)));
   }
   LODE_TRY(auto history, build_insertions(grid, options.model, levels.back(), progress));
-  history.sample_type = options.sample_type;
-  history.has_place = options.has_place;
-  if (!history.is_worst_first()) levels.clear();
-  return BuiltTerrain(std::make_shared<const InsertionsTerrain>(
-      insertions::LevelledHistory{std::move(history), std::move(levels)}));
+  LODE_TRY(auto made, keep_insertions(std::move(history), options, std::move(levels), progress));
+  return BuiltTerrain(std::move(made));
 } catch (const std::bad_alloc&) {
   return out_of_memory("build the model");
 }
@@ -109,11 +123,8 @@ Result<BuiltTerrain> BuiltTerrain::build(const PointTerrain& terrain,
     return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(made)));
   }
   LODE_TRY(auto history, build_insertions(terrain, options.model, levels.back(), progress));
-  history.sample_type = options.sample_type;
-  history.has_place = options.has_place;
-  if (!history.is_worst_first()) levels.clear();
-  return BuiltTerrain(std::make_shared<const InsertionsTerrain>(
-      insertions::LevelledHistory{std::move(history), std::move(levels)}));
+  LODE_TRY(auto made, keep_insertions(std::move(history), options, std::move(levels), progress));
+  return BuiltTerrain(std::move(made));
 } catch (const std::bad_alloc&) {
   return out_of_memory("build the model");
 }
@@ -131,6 +142,10 @@ Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progr
   if (model && is_hierarchy(*model)) {
     LODE_TRY(auto opened, HierarchyTerrain::open(path));
     return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(opened)));
+  }
+  if (model && is_pyramid_of_levels(*model)) {
+    LODE_TRY(auto opened, PyramidTerrain::open(path));
+    return BuiltTerrain(std::move(opened));
   }
   LODE_TRY(auto opened, OpenedInsertions::open(path));
   return BuiltTerrain(std::move(opened));

@@ -33,6 +33,9 @@ struct TerrainBuildOptions {
   /// The raster's samples as points with features as lines (add_lines() without breaklines), which
   /// every mesh has as edges, or chains of edges. Of models that is_hierarchy(); null: none.
   std::shared_ptr<const PointTerrain> lined{};
+  /// Bytes that interference links may take, of models that is_pyramid_of_levels(): they may be as
+  /// many as the product of two levels' triangles.
+  std::uint64_t memory_limit = std::uint64_t{8} << 30;
 };
 
 /// From a 2000th of the range of heights, doubled as long as that is below the range; 0 where there
@@ -47,6 +50,12 @@ struct BuiltTerrainInfo {
     double smallest_angle = 0;  ///< Degrees, in the raster's coordinates.
     double median_angle = 0;    ///< Of smallest angles.
   };
+  /// Of a model that is_pyramid_of_levels().
+  struct Part {
+    std::string name;  ///< What it is of.
+    std::uint64_t memory_bytes = 0;
+    std::uint64_t file_bytes = 0;  ///< Compressed; 0 where it was not opened from a file.
+  };
 
   std::vector<Level> levels;
   std::string sample_type;
@@ -54,7 +63,9 @@ struct BuiltTerrainInfo {
   std::uint64_t n_nodes = 0;           ///< Samples that were inserted, squares, or vertices.
   std::uint64_t n_base_triangles = 0;  ///< Of the outline, or of level 0; of quadtrees none.
   std::uint64_t n_triangles = 0;       ///< That there ever were; of quadtrees none.
+  std::uint64_t n_links = 0;           ///< Interference links.
   std::uint64_t memory_bytes = 0;
+  std::vector<Part> parts;      ///< Of which memory_bytes are the sum; or none.
   std::uint64_t n_kept = 0;     ///< Samples that are always vertices.
   std::uint64_t n_lines = 0;    ///< Edges of the coarsest mesh that are always edges, or chains.
   bool is_of_points = false;    ///< Scattered ones, or of a raster with lines.
@@ -80,10 +91,10 @@ class BuiltTerrain {
   [[nodiscard]] static Result<BuiltTerrain> build(const PointTerrain& terrain,
                                                   const TerrainBuildOptions& options,
                                                   Progress& progress);
-  /// Reads a file; of insertions (delaunay_pyramid, ternary_triangulation,
-  /// implicit_delaunay_pyramid) what says where things are, and the base: questions read what they
-  /// take. Fails on what docs/format.md does not allow; of these a question fails where it reads
-  /// it.
+  /// Reads a file; of levels of triangles what it says of itself; of insertions (delaunay_pyramid,
+  /// ternary_triangulation, implicit_delaunay_pyramid) what says where things are, and the base:
+  /// questions read what they take. Fails on what docs/format.md does not allow; of these a
+  /// question fails where it reads it.
   [[nodiscard]] static Result<BuiltTerrain> open(const std::string& path, Progress& progress);
   /// Whether a path is a .lode file of these models; also false where it cannot be read.
   [[nodiscard]] static bool is_model_of(const std::string& path);

@@ -11,6 +11,9 @@ namespace lode {
 enum class TerrainModel : std::uint8_t {
   delaunay_selector,
   delaunay_pyramid,
+  complete_pyramid,
+  triangle_lists,
+  linked_triangle_lists,
   ternary_triangulation,
   implicit_delaunay_pyramid,
   surface_quadtree,
@@ -23,11 +26,12 @@ enum class TerrainModel : std::uint8_t {
 
 /// Those that are built, and have files.
 inline constexpr std::array kBuiltTerrainModels{
-    TerrainModel::delaunay_pyramid,          TerrainModel::ternary_triangulation,
-    TerrainModel::implicit_delaunay_pyramid, TerrainModel::surface_quadtree,
-    TerrainModel::quaternary_triangulation,  TerrainModel::restricted_quadtree,
-    TerrainModel::right_triangle_bisection,  TerrainModel::adaptive_triangulation,
-    TerrainModel::hierarchical_delaunay};
+    TerrainModel::delaunay_pyramid,       TerrainModel::complete_pyramid,
+    TerrainModel::triangle_lists,         TerrainModel::linked_triangle_lists,
+    TerrainModel::ternary_triangulation,  TerrainModel::implicit_delaunay_pyramid,
+    TerrainModel::surface_quadtree,       TerrainModel::quaternary_triangulation,
+    TerrainModel::restricted_quadtree,    TerrainModel::right_triangle_bisection,
+    TerrainModel::adaptive_triangulation, TerrainModel::hierarchical_delaunay};
 
 [[nodiscard]] constexpr bool is_quadtree(TerrainModel model) {
   return model == TerrainModel::surface_quadtree ||
@@ -48,15 +52,29 @@ inline constexpr std::array kBuiltTerrainModels{
          model == TerrainModel::hierarchical_delaunay;
 }
 
+/// Whether it is a Delaunay pyramid kept by levels, a mesh for each tolerance: see
+/// delaunay_pyramid/encodings.h.
+[[nodiscard]] constexpr bool is_pyramid_of_levels(TerrainModel model) {
+  return model == TerrainModel::complete_pyramid || model == TerrainModel::triangle_lists ||
+         model == TerrainModel::linked_triangle_lists;
+}
+
+/// Whether it has interference links.
+[[nodiscard]] constexpr bool has_links(TerrainModel model) {
+  return model == TerrainModel::complete_pyramid || model == TerrainModel::linked_triangle_lists;
+}
+
 /// Whether it can be built of scattered points, and keep lines as edges.
 [[nodiscard]] constexpr bool is_of_any_points(TerrainModel model) {
   return model == TerrainModel::delaunay_pyramid || model == TerrainModel::ternary_triangulation ||
-         model == TerrainModel::implicit_delaunay_pyramid || is_hierarchy(model);
+         model == TerrainModel::implicit_delaunay_pyramid || is_pyramid_of_levels(model) ||
+         is_hierarchy(model);
 }
 
 /// Whether its tolerances may vary.
 [[nodiscard]] constexpr bool may_vary(TerrainModel model) {
-  return model != TerrainModel::delaunay_selector && model != TerrainModel::restricted_quadtree;
+  return model != TerrainModel::delaunay_selector && model != TerrainModel::restricted_quadtree &&
+         !is_pyramid_of_levels(model);
 }
 
 /// Whether its triangles leave gaps where their sizes differ.
@@ -69,6 +87,9 @@ inline constexpr std::array kBuiltTerrainModels{
   switch (model) {
     case TerrainModel::delaunay_selector: return "delaunay_selector";
     case TerrainModel::delaunay_pyramid: return "delaunay_pyramid";
+    case TerrainModel::complete_pyramid: return "complete_pyramid";
+    case TerrainModel::triangle_lists: return "triangle_lists";
+    case TerrainModel::linked_triangle_lists: return "linked_triangle_lists";
     case TerrainModel::ternary_triangulation: return "ternary_triangulation";
     case TerrainModel::implicit_delaunay_pyramid: return "implicit_delaunay_pyramid";
     case TerrainModel::surface_quadtree: return "surface_quadtree";
