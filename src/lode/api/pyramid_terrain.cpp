@@ -6,11 +6,12 @@
 #include "lode/api/insertions_selection.h"
 #include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
-#include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/delaunay_pyramid/link_search.h"
 
 namespace lode {
 
 using delaunay_pyramid::Encoding;
+using delaunay_pyramid::LinkStart;
 using delaunay_pyramid::Pyramid;
 using delaunay_pyramid::PyramidBytes;
 using delaunay_pyramid::PyramidFile;
@@ -43,12 +44,39 @@ void add_parts(const PyramidBytes& memory, const PyramidBytes& file, BuiltTerrai
   std::erase_if(info.parts, [](const auto& part) { return part.memory_bytes == 0; });
 }
 
+/// The mesh of a level, in parts.
+class LevelParts final : public TerrainParts {
+ public:
+  LevelParts(std::shared_ptr<const PyramidFile> file, LinkStart start, std::size_t level,
+             const TerrainReport& report)
+      : file_(std::move(file)), start_(std::move(start)), level_(level), report_(report) {}
+
+  [[nodiscard]] const TerrainReport& report() const override { return report_; }
+  [[nodiscard]] LatticePoint lower() const override { return start_.box().lower; }
+  [[nodiscard]] LatticePoint upper() const override { return start_.box().upper; }
+  [[nodiscard]] Result<delaunay::Tin> around(std::span<const delaunay::Point> places,
+                                             Progress& progress) const override {
+    return tin_around(*file_, start_, level_, places, progress);
+  }
+  [[nodiscard]] Result<delaunay::Tin> along(const delaunay::Point& a, const delaunay::Point& b,
+                                            Progress& progress) const override {
+    return tin_along(*file_, start_, level_, a, b, progress);
+  }
+
+ private:
+  std::shared_ptr<const PyramidFile> file_;
+  LinkStart start_;
+  std::size_t level_;
+  TerrainReport report_;
+};
+
 }  // namespace
 
 PyramidTerrain::PyramidTerrain(Pyramid pyramid)
     : head_(pyramid.head), loaded_(std::make_shared<const Pyramid>(std::move(pyramid))) {}
 
-PyramidTerrain::PyramidTerrain(PyramidFile file) : head_(file.head()), file_(std::move(file)) {}
+PyramidTerrain::PyramidTerrain(PyramidFile file)
+    : head_(file.head()), file_(std::make_shared<const PyramidFile>(std::move(file))) {}
 
 Result<std::shared_ptr<const PyramidTerrain>> PyramidTerrain::build(
     const insertions::History& history, const TerrainBuildOptions& options,
@@ -133,6 +161,28 @@ Result<SelectedTerrain> PyramidTerrain::select(const TerrainOptions& options, de
   return selected;
 }
 
+Result<std::shared_ptr<const TerrainParts>> PyramidTerrain::parts(
+    const TerrainOptions& options) const {
+  if (!file_ || !has_links(head_.encoding) || options.focus)
+    return std::shared_ptr<const TerrainParts>{};
+  LODE_TRY(const double tolerance, insertions_tolerance(options, source().range, finest_error()));
+  TerrainReport report;
+  const std::size_t level = level_for(options, tolerance, report);
+  report.triangles = head_.n_in_mesh[level];
+  report.vertices = head_.vertices_until[level];
+  report.n_samples = source().n_samples;
+  report.n_missing = source().n_missing;
+  report.n_left_out = source().n_left_out;
+  report.max_error = tolerance;
+  report.achieved_error = head_.facts[level].largest_error;
+  if (report.triangles == head_.n_in_mesh.back())
+    report.achieved_error = std::min(report.achieved_error, head_.max_error);
+  Progress progress;
+  LODE_TRY(LinkStart start, LinkStart::read(*file_, progress));
+  return std::shared_ptr<const TerrainParts>(
+      std::make_shared<const LevelParts>(file_, std::move(start), level, report));
+}
+
 Result<std::uint64_t> PyramidTerrain::save(const std::string& path, Progress& progress) const {
   LODE_TRY(const Shared pyramid, all(progress));
   return delaunay_pyramid::save(*pyramid, path, progress);
@@ -158,16 +208,12 @@ BuiltTerrainInfo PyramidTerrain::describe_source() const {
   return info;
 }
 
-Result<BuiltTerrainInfo> PyramidTerrain::describe(Progress& progress) const {
+Result<BuiltTerrainInfo> PyramidTerrain::describe(Progress& /*progress*/) const {
   BuiltTerrainInfo info = describe_source();
-  for (std::size_t level = 0; level < head_.n_levels(); ++level) {
-    if (progress.is_cancelled()) return cancelled_error();
-    LODE_TRY(const Shared pyramid, all(progress));
-    const delaunay::Tin tin = tin_of_level(*pyramid, level, delaunay::TinLinks::left_out);
-    const TinAngles angles = measure_angles(tin, source().frame, {});
-    info.levels.push_back({head_.tolerances[level], tin.triangles.size(), tin.vertices.size(),
-                           angles.smallest, angles.median});
-  }
+  for (std::size_t level = 0; level < head_.n_levels(); ++level)
+    info.levels.push_back({head_.tolerances[level], head_.n_in_mesh[level],
+                           head_.vertices_until[level], head_.facts[level].smallest_angle,
+                           head_.facts[level].median_angle});
   return info;
 }
 

@@ -35,6 +35,9 @@ class PyramidTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override;
+  /// Of a file with links, down these.
+  [[nodiscard]] Result<std::shared_ptr<const TerrainParts>> parts(
+      const TerrainOptions& options) const override;
   [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
                                            Progress& progress) const override;
   [[nodiscard]] BuiltTerrainInfo describe_source() const override;
@@ -69,7 +72,7 @@ class PyramidTerrain final : public BuiltModel {
                                            VerifyReport& report) const;
 
   delaunay_pyramid::PyramidHead head_;
-  std::optional<delaunay_pyramid::PyramidFile> file_;
+  std::shared_ptr<const delaunay_pyramid::PyramidFile> file_;  ///< Null: it was built.
   mutable std::mutex mutex_;
   mutable Shared loaded_;
   mutable std::optional<std::size_t> loaded_level_;  ///< Whose mesh it has; none: all levels.

@@ -29,6 +29,8 @@ void add_faults(const Pyramid& pyramid, const PyramidFaults& faults, VerifyRepor
   const std::uint64_t n_levels = pyramid.head.n_levels();
   report.add("meshes of levels are Delaunay", n_levels, faults.n_other_levels,
              faults.n_other_levels > 0 ? fmt::format("{} are not", faults.n_other_levels) : "");
+  report.add("levels have the angles that the file says", n_levels, faults.n_other_angles,
+             faults.n_other_angles > 0 ? fmt::format("{} have not", faults.n_other_angles) : "");
   if (!pyramid.lines.empty())
     report.add("lines are edges of all levels, or chains of them", n_levels, faults.n_line_levels,
                faults.n_line_levels > 0 ? fmt::format("not of {}", faults.n_line_levels) : "");

@@ -98,6 +98,8 @@ Result<Pyramid> encode(const History& history, std::span<const double> tolerance
   pyramid.vertices.assign(history.vertices.begin(), history.vertices.begin() + n);
   pyramid.heights.assign(history.heights.begin(), history.heights.begin() + n);
   pyramid.lines = history.lines;
+  for (std::size_t level = 0; level < times.size(); ++level)
+    pyramid.head.facts.push_back(facts_of(pyramid, numbered_mesh(pyramid, level)));
   pyramid.head.height_type = terrain_file::narrowest(pyramid.heights);
   return pyramid;
 }

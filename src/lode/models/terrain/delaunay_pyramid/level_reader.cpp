@@ -106,6 +106,12 @@ Result<void> read_links_of(const store::Reader& reader, std::size_t level, Pyram
       return fail("{}: triangle {}: expected links that ascend, below {}, got others",
                   place_in(reader, level), t, n_others);
   }
+  LODE_TRY(const auto firsts, read_column<std::uint64_t>(reader, key_of(Column::first_links, level),
+                                                         n_parts(pyramid.head.n_kept[level])));
+  for (std::size_t i = 0; i < firsts.size(); ++i)
+    if (firsts[i] != links.first[i * terrain_file::kPart])
+      return fail("{}: expected the links of triangle {} from {}, got {}", place_in(reader, level),
+                  i * terrain_file::kPart, links.first[i * terrain_file::kPart], firsts[i]);
   if (links.first.back() != n)
     return fail("{}: expected {} links, got {}", place_in(reader, level), n, links.first.back());
   return {};

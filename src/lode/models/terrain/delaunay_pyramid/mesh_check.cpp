@@ -77,11 +77,10 @@ Result<void> MeshCheck::check_counts(std::size_t level, const Tin& mesh) const {
   const std::size_t n_met = n_vertices_of(mesh, pyramid_.vertices.size());
   if (n_met != head.vertices_until[level])
     return fail("expected a mesh of {} vertices, got one of {}", head.vertices_until[level], n_met);
-  const float most = head.most_stated(level);
-  const auto beyond = std::ranges::find_if(mesh.errors, [&](float e) { return e > most; });
-  if (beyond != mesh.errors.end())
-    return fail("expected triangles within {}, got one that says {}", head.tolerances[level],
-                *beyond);
+  const auto largest = static_cast<double>(*std::ranges::max_element(mesh.errors));
+  if (largest != head.facts[level].largest_error)
+    return fail("expected triangles whose largest error is {}, got {}",
+                head.facts[level].largest_error, largest);
   return {};
 }
 

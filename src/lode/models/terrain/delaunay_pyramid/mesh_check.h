@@ -19,7 +19,7 @@ class MeshCheck {
 
   /// Fails, saying what was expected, where the level's mesh
   /// - has not as many triangles, or not all vertices, that the metadata say;
-  /// - has a triangle that states more than the level allows;
+  /// - has triangles whose largest error is another one;
   /// - does not cover a domain once, edge to edge: see insertions::cover_cells_once() and
   ///   cover_part_once();
   /// - covers another domain than the first one that was looked at;

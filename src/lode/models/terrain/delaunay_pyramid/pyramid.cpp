@@ -8,6 +8,7 @@
 
 #include "lode/delaunay/tin_links.h"
 #include "lode/delaunay/triangle_error.h"
+#include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/insertions/extract.h"
 
 namespace lode::delaunay_pyramid {
@@ -55,6 +56,15 @@ delaunay::Tin numbered_mesh(const Pyramid& pyramid, std::size_t level) {
     }
   }
   return mesh;
+}
+
+MeshFacts facts_of(const Pyramid& pyramid, const delaunay::Tin& mesh) {
+  delaunay::Tin placed;
+  placed.triangles = mesh.triangles;
+  insertions::place_vertices(pyramid.vertices, pyramid.heights, placed);
+  const TinAngles angles = measure_angles(placed, pyramid.head.source.frame, {});
+  const float largest = *std::ranges::max_element(mesh.errors);
+  return {static_cast<double>(largest), angles.smallest, angles.median};
 }
 
 delaunay::Tin tin_of_level(const Pyramid& pyramid, std::size_t level, delaunay::TinLinks links) {

@@ -31,6 +31,13 @@ struct PyramidBytes {
   [[nodiscard]] std::uint64_t all() const { return vertices + triangles + neighbours + links; }
 };
 
+/// The mesh of a level.
+struct MeshFacts {
+  double largest_error = 0;   ///< That a triangle states.
+  double smallest_angle = 0;  ///< Degrees, in the raster's coordinates.
+  double median_angle = 0;    ///< Of smallest angles.
+};
+
 /// What is known of a pyramid before its vertices and triangles are. By level, which there is one
 /// of at least.
 struct PyramidHead {
@@ -45,6 +52,8 @@ struct PyramidHead {
   std::vector<std::uint32_t> n_kept;          ///< Triangles that are kept with it: all, or of lists
                                               ///< those that it makes.
   std::vector<std::uint64_t> n_links;         ///< Of these; of lists without links 0.
+
+  std::vector<MeshFacts> facts;
 
   [[nodiscard]] std::size_t n_levels() const { return tolerances.size(); }
   [[nodiscard]] bool is_of_lists() const { return encoding != Encoding::complete; }
@@ -90,6 +99,9 @@ struct Pyramid {
 /// The triangles of a level's mesh by the pyramid's vertices, in the order of their making; with
 /// errors.
 [[nodiscard]] delaunay::Tin numbered_mesh(const Pyramid& pyramid, std::size_t level);
+
+/// Of a mesh that numbered_mesh() gave.
+[[nodiscard]] MeshFacts facts_of(const Pyramid& pyramid, const delaunay::Tin& mesh);
 
 /// The mesh of a level, with heights, and what `links` says: that of the history at its time, with
 /// triangles in the same order.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
@@ -133,8 +134,17 @@ class LineEdges {
   std::vector<Edge> edges_;  ///< From either end.
 };
 
+/// Angles are computed, elsewhere perhaps otherwise in the last places.
+bool has_angles(const MeshFacts& said, const MeshFacts& found) {
+  constexpr double kRounding = 1e-6;
+  return std::abs(said.smallest_angle - found.smallest_angle) < kRounding &&
+         std::abs(said.median_angle - found.median_angle) < kRounding;
+}
+
 void check_mesh(const Pyramid& pyramid, std::size_t level, PyramidFaults& faults) {
-  const std::vector<Triple> triangles = numbered_mesh(pyramid, level).triangles;
+  const delaunay::Tin numbered = numbered_mesh(pyramid, level);
+  const std::vector<Triple>& triangles = numbered.triangles;
+  if (!has_angles(pyramid.head.facts[level], facts_of(pyramid, numbered))) ++faults.n_other_angles;
   delaunay::PointMesh mesh(delaunay::ListedNodes(pyramid.vertices), triangles);
   if (!pyramid.lines.empty()) {
     const auto fixed = LineEdges(pyramid.vertices, triangles).on(pyramid.lines);

@@ -15,6 +15,7 @@ struct PyramidFaults {
   std::uint64_t n_owners = 0;        ///< Triangles that have links.
   std::uint64_t n_wrong_owners = 0;  ///< With other links than to just what meets their interiors.
   std::uint64_t n_line_levels = 0;   ///< Levels where a line is no edge, nor a chain of edges.
+  std::uint64_t n_other_angles = 0;  ///< Levels whose mesh has other angles than the file says.
   std::uint64_t n_other_levels = 0;  ///< Levels whose mesh is not Delaunay but for lines.
 };
 

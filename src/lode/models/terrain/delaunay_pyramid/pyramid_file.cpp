@@ -65,6 +65,7 @@ PyramidBytes PyramidFile::stored_bytes() const {
       case Column::death: bytes.triangles += block.stored_size; break;
       case Column::twins: bytes.neighbours += block.stored_size; break;
       case Column::n_links:
+      case Column::first_links:
       case Column::links: bytes.links += block.stored_size; break;
     }
   }

@@ -27,6 +27,7 @@ class PyramidFile {
 
   [[nodiscard]] const std::string& path() const { return reader_->path(); }
   [[nodiscard]] const PyramidHead& head() const { return head_; }
+  [[nodiscard]] const store::Reader& reader() const { return *reader_; }
 
   /// What the mesh of a level takes: vertices until the level, and without links what is kept with
   /// it, or of lists with all levels until it. Fails, naming the file, where a number is not as

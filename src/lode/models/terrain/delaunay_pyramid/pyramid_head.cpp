@@ -53,12 +53,36 @@ Result<void> check_links(const std::string& path, const PyramidHead& head) {
   return {};
 }
 
+Result<void> read_facts(store::ByteReader& in, const std::string& path, PyramidHead& head) {
+  constexpr double kLargestAngle = 60 + 1e-6;
+  for (std::size_t level = 0; level < head.n_levels(); ++level) {
+    MeshFacts facts;
+    LODE_TRY(facts.largest_error, in.read<double>());
+    LODE_TRY(facts.smallest_angle, in.read<double>());
+    LODE_TRY(facts.median_angle, in.read<double>());
+    const bool is_error = facts.largest_error >= 0 &&
+                          facts.largest_error <= static_cast<double>(head.most_stated(level));
+    const bool are_angles = facts.smallest_angle >= 0 &&
+                            facts.smallest_angle <= facts.median_angle &&
+                            facts.median_angle <= kLargestAngle;
+    if (!is_error || !are_angles)
+      return fail(
+          "{}: metadata: level {}: expected an error up to {} and smallest angles, got {}, {} and "
+          "{}",
+          path, level, head.most_stated(level), facts.largest_error, facts.smallest_angle,
+          facts.median_angle);
+    head.facts.push_back(facts);
+  }
+  return {};
+}
+
 Result<void> read_counts(store::ByteReader& in, const std::string& path, PyramidHead& head) {
   const std::size_t n = head.n_levels();
   LODE_TRY(head.vertices_until, in.read_all<std::uint32_t>(n));
   LODE_TRY(head.n_in_mesh, in.read_all<std::uint32_t>(n));
   LODE_TRY(head.n_kept, in.read_all<std::uint32_t>(n));
   LODE_TRY(head.n_links, in.read_all<std::uint64_t>(n));
+  LODE_CHECK(read_facts(in, path, head));
   LODE_CHECK(in.expect_end());
   LODE_CHECK(check_vertices(path, head));
   LODE_CHECK(check_triangles(path, head));

@@ -24,6 +24,11 @@ std::vector<std::byte> encode_metadata(const PyramidHead& head) {
   out.write_all(std::span<const std::uint32_t>(head.n_in_mesh));
   out.write_all(std::span<const std::uint32_t>(head.n_kept));
   out.write_all(std::span<const std::uint64_t>(head.n_links));
+  for (const MeshFacts& facts : head.facts) {
+    out.write(facts.largest_error);
+    out.write(facts.smallest_angle);
+    out.write(facts.median_angle);
+  }
   return std::move(out).take();
 }
 
@@ -56,6 +61,10 @@ Result<void> append_links(const LinkLists& links, std::size_t level, store::Writ
         return static_cast<std::uint32_t>(links.first[i + 1] - links.first[i]);
       },
       writer));
+  const std::uint64_t n = links.first.size() - 1;
+  LODE_CHECK(append_column<std::uint64_t>(
+      key_of(Column::first_links, level), n_parts(n),
+      [&](std::uint64_t i) { return links.first[i * terrain_file::kPart]; }, writer));
   return append_column<std::uint32_t>(
       key_of(Column::links, level), links.items.size(),
       [&](std::uint64_t i) { return links.items[i]; }, writer);

@@ -46,19 +46,28 @@ Result<void> append_column(const ColumnKey& column, std::uint64_t n, const Numbe
   return {};
 }
 
+/// One block of a column of n numbers.
+template <typename T>
+Result<std::vector<T>> read_part(const store::Reader& reader, const ColumnKey& column,
+                                 std::uint64_t n, std::uint64_t part) {
+  const store::BlockKey key = column.block(part);
+  const auto at = reader.find(key);
+  if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
+  LODE_TRY(const std::vector<std::byte> bytes, reader.read_block(*at));
+  store::ByteReader in(bytes, reader.path() + ": " + store::describe(key));
+  LODE_TRY(std::vector<T> numbers,
+           in.read_all<T>(std::min<std::uint64_t>(kPart, n - part * kPart)));
+  LODE_CHECK(in.expect_end());
+  return numbers;
+}
+
 /// All n numbers of a column. Blocks are there before memory is asked for.
 template <typename T>
 Result<std::vector<T>> read_column(const store::Reader& reader, const ColumnKey& column,
                                    std::uint64_t n) {
   std::vector<T> numbers;
   for (std::uint64_t first = 0; first < n; first += kPart) {
-    const store::BlockKey key = column.block(first / kPart);
-    const auto at = reader.find(key);
-    if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
-    LODE_TRY(const std::vector<std::byte> bytes, reader.read_block(*at));
-    store::ByteReader in(bytes, reader.path() + ": " + store::describe(key));
-    LODE_TRY(const std::vector<T> part, in.read_all<T>(std::min<std::uint64_t>(kPart, n - first)));
-    LODE_CHECK(in.expect_end());
+    LODE_TRY(const std::vector<T> part, read_part<T>(reader, column, n, first / kPart));
     numbers.insert(numbers.end(), part.begin(), part.end());
   }
   return numbers;
