@@ -49,9 +49,9 @@ void expect_error_kept(const ComparedModel& model, const ComparedMesh& mesh) {
 /// Four encodings of the same meshes.
 void expect_one_pyramid(const TerrainComparison& made) {
   const ComparedModel& pyramid = named(made, "delaunay_pyramid");
-  const ComparedModel& lists = named(made, "delaunay_pyramid, lists");
-  const ComparedModel& linked = named(made, "delaunay_pyramid, linked lists");
-  const ComparedModel& complete = named(made, "delaunay_pyramid, complete");
+  const ComparedModel& lists = named(made, "triangle_lists");
+  const ComparedModel& linked = named(made, "linked_triangle_lists");
+  const ComparedModel& complete = named(made, "complete_pyramid");
   EXPECT_LT(*lists.memory_bytes, *linked.memory_bytes);
   EXPECT_LT(*linked.n_links, *complete.n_links);
   for (std::size_t i = 0; i < pyramid.meshes.size(); ++i) {
@@ -72,15 +72,15 @@ void expect_neighbours(const TerrainComparison& made) {
     SCOPED_TRACE(model.name);
     EXPECT_FALSE(model.neighbours.empty());
     EXPECT_TRUE(model.build_seconds);
-    const bool has_none =
-        model.name == "delaunay_pyramid, lists" || model.name == "delaunay_pyramid, linked lists" ||
-        model.name == "surface_quadtree" || model.name == "surface_quadtree, forced" ||
-        model.name == "quaternary_triangulation";
+    const bool has_none = model.name == "triangle_lists" || model.name == "linked_triangle_lists" ||
+                          model.name == "surface_quadtree" ||
+                          model.name == "surface_quadtree, forced" ||
+                          model.name == "quaternary_triangulation";
     for (const ComparedMesh& mesh : model.meshes) {
       EXPECT_EQ(mesh.crossed_per_second.has_value(), !has_none);
       if (!has_none) EXPECT_GT(*mesh.crossed_per_second, 0);
-      EXPECT_EQ(mesh.twins_seconds.has_value(), !model.name.starts_with("delaunay_selector") &&
-                                                    model.name != "delaunay_pyramid, complete");
+      EXPECT_EQ(mesh.twins_seconds.has_value(),
+                !model.name.starts_with("delaunay_selector") && model.name != "complete_pyramid");
     }
   }
   EXPECT_TRUE(named(made, "delaunay_selector").is_made_anew);
@@ -133,9 +133,9 @@ TEST(terrain_comparison, runs_no_model_whose_links_take_more_than_the_limit) {
       progress);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_EQ(made->memory_limit, 64U);
-  for (const char* name : {"delaunay_pyramid, linked lists", "delaunay_pyramid, complete"})
+  for (const char* name : {"linked_triangle_lists", "complete_pyramid"})
     EXPECT_NE(named(*made, name).refusal.find("up to 64 bytes"), std::string::npos) << name;
-  EXPECT_EQ(named(*made, "delaunay_pyramid, lists").refusal, "");
+  EXPECT_EQ(named(*made, "triangle_lists").refusal, "");
 }
 
 TEST(edge_walk, goes_on_until_the_outline_and_turns_there) {

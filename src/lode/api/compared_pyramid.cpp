@@ -26,7 +26,8 @@ class Lists final : public HistoryCandidate {
   Lists(std::shared_ptr<SharedHistory> shared, Interference interference, EncodingLimit limit)
       : HistoryCandidate(std::move(shared)), interference_(interference), limit_(limit) {}
   [[nodiscard]] std::string name() const override {
-    return has_links() ? "delaunay_pyramid, linked lists" : "delaunay_pyramid, lists";
+    return name_of(has_links() ? TerrainModel::linked_triangle_lists
+                               : TerrainModel::triangle_lists);
   }
   [[nodiscard]] std::string what() const override {
     return has_links() ? "lists of the triangles that each level makes (SLT), with interference "
@@ -78,7 +79,9 @@ class Complete final : public HistoryCandidate {
  public:
   Complete(std::shared_ptr<SharedHistory> shared, EncodingLimit limit)
       : HistoryCandidate(std::move(shared)), limit_(limit) {}
-  [[nodiscard]] std::string name() const override { return "delaunay_pyramid, complete"; }
+  [[nodiscard]] std::string name() const override {
+    return name_of(TerrainModel::complete_pyramid);
+  }
   [[nodiscard]] std::string what() const override {
     return "every level's whole triangulation with neighbours, and interference links";
   }

@@ -58,7 +58,11 @@ std::vector<double> contour_levels(const HeightRange& range, int n) {
 class Comparison {
  public:
   Comparison(const ComparedGround& ground, const ComparisonOptions& options, Progress& progress)
-      : ground_(ground), options_(options), progress_(progress), range_(ground.range()) {
+      : ground_(ground),
+        options_(options),
+        progress_(progress),
+        range_(ground.range()),
+        memory_limit_(options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4) {
     std::mt19937_64 random(options.seed);
     const auto place = [&](std::int32_t n) {
       return static_cast<double>(random() >> 11) * 0x1p-53 * (n - 1);
@@ -70,7 +74,7 @@ class Comparison {
   Result<TerrainComparison> run() {
     TerrainComparison made{.range = range_, .models = {}};
     made.n_samples = ground_.n_samples();
-    made.memory_limit = options_.memory_limit > 0 ? options_.memory_limit : physical_memory() / 4;
+    made.memory_limit = memory_limit_;
     const std::vector<std::unique_ptr<TerrainCandidate>> models =
         terrain_candidates(made.memory_limit);
     for (std::size_t i = 0; i < models.size(); ++i) {
@@ -119,7 +123,8 @@ class Comparison {
 
   /// Builds it once more, for a file that is removed again.
   Result<std::uint64_t> measure_file(TerrainModel kind) {
-    TerrainBuildOptions options{.model = kind, .levels = options_.tolerances};
+    TerrainBuildOptions options{
+        .model = kind, .levels = options_.tolerances, .memory_limit = memory_limit_};
     std::ranges::sort(options.levels, std::greater());
     options.levels.erase(std::unique(options.levels.begin(), options.levels.end()),
                          options.levels.end());
@@ -267,6 +272,7 @@ class Comparison {
   const ComparisonOptions& options_;
   Progress& progress_;
   HeightRange range_;
+  std::uint64_t memory_limit_;  ///< Of links between levels.
   std::vector<delaunay::Point> places_;
 };
 
