@@ -169,7 +169,8 @@ TEST(built_terrain, answers_from_a_file_as_from_memory) {
   const std::string path = testing::TempDir() + "lode_answers.lode";
   for (const TerrainModel model :
        {TerrainModel::delaunay_pyramid, TerrainModel::ternary_triangulation,
-        TerrainModel::implicit_delaunay_pyramid}) {
+        TerrainModel::implicit_delaunay_pyramid, TerrainModel::complete_pyramid,
+        TerrainModel::triangle_lists, TerrainModel::linked_triangle_lists}) {
     SCOPED_TRACE(name_of(model));
     const auto built = BuiltTerrain::build(grid, {.model = model, .levels = {8, 2, 0.5}}, progress);
     ASSERT_TRUE(built);

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -334,6 +336,33 @@ TEST_F(pyramid_lies, of_a_domain_that_changes_are_named) {
   lie.head.source.is_of_points = true;
   save_with_links();
   expect_refused(file_.path(), "level 1: expected the outline of all levels");
+}
+
+/// Each byte counts, and so does each that is missing.
+TEST(pyramid_lies_of_bytes, are_seen_wherever_they_are_in_a_file) {
+  const ScratchFile whole("pyramid_small.lode");
+  const ScratchFile lie("pyramid_changed.lode");
+  Progress progress;
+  LevelledHistory levelled =
+      history_of(delaunay::test::make_grid<std::int16_t>(4, 3, insertions::test::terrain));
+  levelled.levels = {400, 2};
+  for (const Encoding encoding : kEncodings) {
+    ASSERT_TRUE(save(pyramid_of(levelled, encoding), whole.path(), progress));
+    std::ifstream stream(whole.path(), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    const auto is_read = [&](const std::string& changed) {
+      std::ofstream(lie.path(), std::ios::binary) << changed;
+      const auto opened = PyramidFile::open(lie.path());
+      return opened && opened->read_all(progress);
+    };
+    EXPECT_TRUE(is_read(bytes));
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      std::string changed = bytes;
+      changed[i] = static_cast<char>(changed[i] ^ (1 << i % 8));
+      EXPECT_FALSE(is_read(changed)) << i;
+      if (i % 4 == 0) EXPECT_FALSE(is_read(bytes.substr(0, i))) << i;
+    }
+  }
 }
 
 /// Whatever blocks hold, what is read is a triangulation at each level.

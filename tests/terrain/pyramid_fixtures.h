@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lode/models/terrain/delaunay_pyramid/pyramid.h"
+#include "lode/models/terrain/insertions/box_tree.h"
 #include "lode/models/terrain/insertions/overlap.h"
 #include "tests/terrain/insertions_fixtures.h"
 
@@ -50,9 +51,13 @@ inline std::vector<std::uint32_t> meeting(const Pyramid& pyramid,
                                     pyramid.vertices[t[2]]};
   };
   std::vector<std::uint32_t> all;
-  for (std::uint32_t other = 0; other < others.triangles.size(); ++other)
-    if (insertions::do_interiors_meet(placed(triangle), placed(others.triangles[other])))
+  const delaunay::LatticeCorners own = placed(triangle);
+  const insertions::LatticeBox box = insertions::box_of(own);
+  for (std::uint32_t other = 0; other < others.triangles.size(); ++other) {
+    const delaunay::LatticeCorners corners = placed(others.triangles[other]);
+    if (box.meets(insertions::box_of(corners)) && insertions::do_interiors_meet(own, corners))
       all.push_back(other);
+  }
   return all;
 }
 

@@ -207,6 +207,24 @@ TEST_P(pyramid_terrain, has_the_pyramids_meshes_of_st_helens) {
   expect_meshes_of_the_pyramid(raster->grid, {50, 20, 10, 5, 2});
   const auto opened = BuiltTerrain::open(path_, progress_);
   expect_passed(opened->verify_alone({2}, progress_));
+  // Finer levels have several blocks of each kind, of which links lead to some.
+  std::vector<Place> places;
+  for (int i = 0; i < 300; ++i)
+    places.push_back(opened->frame().world(i * 37 % 327 + i % 3 * 0.25, i * 53 % 468 * 0.99));
+  for (const double tolerance : {20.0, 2.0}) {
+    std::array<std::vector<TerrainHeight>, 2> heights;
+    for (const TinUse use : {TinUse::all, TinUse::places}) {
+      const auto tin =
+          TerrainTin::select(opened->terrain(), {.max_error = tolerance}, {}, progress_, use);
+      ASSERT_TRUE(tin) << tin.error().message;
+      ASSERT_TRUE(tin->heights(places, heights[use == TinUse::all ? 0 : 1], {2}, progress_));
+    }
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      EXPECT_EQ(heights[0][i].where, heights[1][i].where);
+      EXPECT_EQ(heights[0][i].height, heights[1][i].height);
+      EXPECT_EQ(heights[0][i].bound, heights[1][i].bound);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(models, pyramid_terrain,

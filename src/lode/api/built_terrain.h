@@ -76,10 +76,10 @@ struct BuiltTerrainInfo {
   double max_error = 0;  ///< The finest that it can give: |z - z'| at every sample.
 };
 
-/// What was built of a raster, or of points, for all tolerances: docs/models/delaunay_pyramid.md,
-/// ternary_triangulation.md, implicit_delaunay_pyramid.md, quadtrees.md,
-/// right_triangle_bisection.md and hierarchical_triangulations.md. Copies are one terrain;
-/// const members are safe from many threads.
+/// What was built of a raster, or of points, for all tolerances, or some:
+/// docs/models/delaunay_pyramid.md, ternary_triangulation.md, implicit_delaunay_pyramid.md,
+/// quadtrees.md, right_triangle_bisection.md and hierarchical_triangulations.md. Copies are one
+/// terrain; const members are safe from many threads.
 class BuiltTerrain {
  public:
   /// Fails as extract_terrain() does, and on levels that are none.
@@ -128,7 +128,8 @@ class BuiltTerrain {
   [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
                                             Progress& progress) const;
   /// What can be held against nothing but itself: that opening made all triangles again; of models
-  /// that have all heights, as verify() with these.
+  /// that have all heights, as verify() with these; of pyramids of levels, that meshes are Delaunay
+  /// and links to all that meets.
   [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads, Progress& progress) const;
 
  private:

@@ -1,7 +1,5 @@
 // L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for topographic surface
 // description", The Visual Computer 12 (1996), section 8: data structures for Delaunay pyramids.
-#include <utility>
-
 #include "lode/core/expects.h"
 #include "lode/models/terrain/delaunay_pyramid/pyramid.h"
 

@@ -1,6 +1,7 @@
 #include "lode/models/terrain/delaunay_pyramid/level_reader.h"
 
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <utility>
 

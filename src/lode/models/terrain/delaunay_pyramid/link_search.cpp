@@ -108,6 +108,7 @@ class LinkSearch {
       return insertions::place_along_z(corners[0]);
     });
     std::vector<LatticeBox> boxes;
+    boxes.reserve(all.size());
     for (const LatticeCorners& corners : all) boxes.push_back(box_of(corners));
     const BoxTree tree(boxes);
     for (std::size_t i = 0; i < all.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -78,7 +79,7 @@ class LinkedLevels {
   [[nodiscard]] Result<std::pair<std::uint64_t, std::uint64_t>> link_range(const KeptTriangle& t);
 
   const PyramidFile& file_;
-  KeptBlocks<std::int32_t> coordinates_[2];
+  std::array<KeptBlocks<std::int32_t>, 2> coordinates_;
   KeptBlocks<std::int16_t> int16_heights_;
   KeptBlocks<float> float_heights_;
   KeptBlocks<double> double_heights_;

@@ -40,9 +40,10 @@ class OutlineWalk {
  private:
   /// What the one edge at a vertex leads to.
   static const std::uint32_t* only(const std::vector<OutlineEdge>& edges, std::uint32_t vertex) {
-    const auto [first, end] = std::ranges::equal_range(
-        edges, vertex, {}, [](const OutlineEdge& edge) { return edge[0]; });
-    return end - first == 1 ? &(*first)[1] : nullptr;
+    const auto first = std::ranges::lower_bound(edges, OutlineEdge{vertex, 0});
+    const bool is_one = first != edges.end() && (*first)[0] == vertex &&
+                        (first + 1 == edges.end() || (first[1])[0] != vertex);
+    return is_one ? &(*first)[1] : nullptr;
   }
   [[nodiscard]] bool is_straight_at(std::uint32_t vertex) const {
     const std::uint32_t* const before = only(by_end_, vertex);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "lode/delaunay/tin_links.h"
 #include "lode/delaunay/triangle_error.h"

@@ -119,9 +119,9 @@ class LineEdges {
     const auto is_between = [](std::int32_t x, std::int32_t a, std::int32_t b) {
       return x >= std::min(a, b) && x <= std::max(a, b);
     };
-    const auto from_here =
-        std::ranges::equal_range(edges_, at, {}, [](const Edge& edge) { return edge[0]; });
-    for (const auto& [a, b] : from_here) {
+    for (auto edge = std::ranges::lower_bound(edges_, Edge{at, 0});
+         edge != edges_.end() && (*edge)[0] == at; ++edge) {
+      const std::uint32_t b = (*edge)[1];
       const LatticePoint q = vertices_[b];
       if (delaunay::doubled_area(p, end, q) == 0 && is_between(q.x, p.x, end.x) &&
           is_between(q.y, p.y, end.y))

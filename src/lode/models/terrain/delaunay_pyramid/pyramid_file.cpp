@@ -1,6 +1,5 @@
 #include "lode/models/terrain/delaunay_pyramid/pyramid_file.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "lode/core/expects.h"
@@ -14,6 +13,7 @@ namespace lode::delaunay_pyramid {
 struct PyramidFile::Part {
   std::size_t first = 0;
   std::size_t end = 0;
+  std::size_t first_checked = 0;  ///< Whose mesh is looked at.
   ReadLinks links = ReadLinks::no;
 };
 
@@ -34,7 +34,7 @@ Result<Pyramid> PyramidFile::read(const Part& part, Progress& progress) const {
     LODE_CHECK(read_level(*reader_, level, part.links, pyramid));
   }
   MeshCheck check(pyramid);
-  for (std::size_t level = part.first; level < part.end; ++level) {
+  for (std::size_t level = part.first_checked; level < part.end; ++level) {
     if (progress.is_cancelled()) return cancelled_error();
     if (const auto checked = check.check(level); !checked)
       return fail("{}: {}", path(), checked.error().message);
@@ -44,12 +44,16 @@ Result<Pyramid> PyramidFile::read(const Part& part, Progress& progress) const {
 
 Result<Pyramid> PyramidFile::read_mesh(std::size_t level, Progress& progress) const {
   LODE_EXPECTS(level < head_.n_levels());
-  return read({.first = head_.is_of_lists() ? 0 : level, .end = level + 1, .links = ReadLinks::no},
+  return read({.first = head_.is_of_lists() ? 0 : level,
+               .end = level + 1,
+               .first_checked = level,
+               .links = ReadLinks::no},
               progress);
 }
 
 Result<Pyramid> PyramidFile::read_all(Progress& progress) const {
-  return read({.first = 0, .end = head_.n_levels(), .links = ReadLinks::yes}, progress);
+  return read({.first = 0, .end = head_.n_levels(), .first_checked = 0, .links = ReadLinks::yes},
+              progress);
 }
 
 PyramidBytes PyramidFile::stored_bytes() const {

@@ -1,6 +1,5 @@
 #include "lode/models/terrain/delaunay_pyramid/pyramid_head.h"
 
-#include <cmath>
 #include <string>
 
 #include "lode/models/terrain/delaunay_pyramid/file_layout.h"
