@@ -376,7 +376,8 @@ void keep_terrain_files_of_points() {
       points.push_back({{1.0 * x, 1.0 * y, static_cast<double>((x * 3 + y * 7) % 40)}});
   }
   for (const TerrainModel model :
-       {TerrainModel::adaptive_triangulation, TerrainModel::hierarchical_delaunay}) {
+       {TerrainModel::adaptive_triangulation, TerrainModel::hierarchical_delaunay,
+        TerrainModel::complete_pyramid, TerrainModel::linked_triangle_lists}) {
     const io::test::TempDir dir;
     const std::string path = dir.path("p.lode");
     Progress progress;
