@@ -200,7 +200,8 @@ Command add_build_command(CLI::App& program) {
   app->add_option("output", arguments->output, "File to write")->type_name("OUT.lode")->required();
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Memory to use, such as 512M or 4G (default: a quarter of the machine's); of a "
-                  "mesh, which is built in memory, the most that it may need (default: all)")
+                  "mesh, which is built in memory, the most that it may need (default: all); of a "
+                  "complete_pyramid or linked_triangle_lists what its links may take (default: 8G)")
       ->type_name("BYTES");
   CLI::Option* resume =
       app->add_flag("--resume", arguments->resumes,
