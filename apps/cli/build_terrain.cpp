@@ -69,21 +69,7 @@ void warn_of_many(const BuiltTerrainInfo& info, const OpenedTerrain& opened, Ses
           format_number(level.tolerance), format_count(level.triangles), format_count(full)));
 }
 
-}  // namespace
-
-Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app) {
-  LODE_CHECK(check_only_terrain(app, job.input, {"--levels", "--model", "--memory-limit"}));
-  if (!is_lode_path(job.output))
-    return fail("{}: expected an output that ends in .lode", job.output);
-  if (auto options = to_options(job); !options) return options.error();
-  LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
-  return check_paths_differ({job.input}, {job.output});
-}
-
-void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table) {
-  json["range"] = {info.range.lower, info.range.upper};
-  json["samples"] = info.n_samples;
-  json["left_out_samples"] = info.n_left_out;
+void add_counts(const BuiltTerrainInfo& info, TerrainModel model, Json& json) {
   if (is_quadtree(model)) {
     json["squares"] = info.n_nodes;
     json["kept_samples"] = info.n_kept;
@@ -107,6 +93,54 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
     json["triangles_ever"] = info.n_triangles;
     json["fixed_edges"] = info.n_lines;
   }
+}
+
+void add_count_rows(const BuiltTerrainInfo& info, TerrainModel model, Table& table) {
+  if (is_quadtree(model)) {
+    table.add({"squares", format_count(info.n_nodes)});
+  } else if (model == TerrainModel::right_triangle_bisection) {
+    table.add({"first triangles", format_count(info.n_base_triangles)});
+  } else if (is_pyramid_of_levels(model)) {
+    table.add({"vertices", format_count(info.n_nodes)});
+    table.add({"triangles kept", format_count(info.n_triangles)});
+    if (info.n_links > 0) table.add({"links", format_count(info.n_links)});
+  } else {
+    table.add({is_hierarchy(model) ? "vertices" : "insertions", format_count(info.n_nodes)});
+    table.add({"triangles ever", format_count(info.n_triangles)});
+  }
+}
+
+void add_level_rows(const BuiltTerrainInfo& info, Json& json, Table& table) {
+  json["levels"] = Json::array();
+  for (const BuiltTerrainInfo::Level& level : info.levels) {
+    json["levels"].push_back({{"tolerance", level.tolerance},
+                              {"triangles", level.triangles},
+                              {"vertices", level.vertices},
+                              {"smallest_angle", level.smallest_angle},
+                              {"median_angle", level.median_angle}});
+    table.add({"level", fmt::format("within {}: {} triangles, smallest angles {:.1f}° at least, "
+                                    "{:.1f}° in the middle",
+                                    format_number(level.tolerance), format_count(level.triangles),
+                                    level.smallest_angle, level.median_angle)});
+  }
+}
+
+}  // namespace
+
+Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app) {
+  LODE_CHECK(check_only_terrain(app, job.input, {"--levels", "--model", "--memory-limit"}));
+  if (!is_lode_path(job.output))
+    return fail("{}: expected an output that ends in .lode", job.output);
+  if (auto options = to_options(job); !options) return options.error();
+  LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
+  return check_paths_differ({job.input}, {job.output});
+}
+
+void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table) {
+  json["range"] = {info.range.lower, info.range.upper};
+  json["samples"] = info.n_samples;
+  json["left_out_samples"] = info.n_left_out;
+  add_counts(info, model, json);
   json["memory_bytes"] = info.memory_bytes;
   for (const BuiltTerrainInfo::Part& part : info.parts)
     json["parts"].push_back({{"name", part.name},
@@ -122,18 +156,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
                                                    : "samples in no cell with four heights")});
   if (info.n_lines > 0) table.add({"fixed edges", format_count(info.n_lines)});
   if (info.n_kept > 0) table.add({"kept samples", format_count(info.n_kept)});
-  if (is_quadtree(model)) {
-    table.add({"squares", format_count(info.n_nodes)});
-  } else if (model == TerrainModel::right_triangle_bisection) {
-    table.add({"first triangles", format_count(info.n_base_triangles)});
-  } else if (is_pyramid_of_levels(model)) {
-    table.add({"vertices", format_count(info.n_nodes)});
-    table.add({"triangles kept", format_count(info.n_triangles)});
-    if (info.n_links > 0) table.add({"links", format_count(info.n_links)});
-  } else {
-    table.add({is_hierarchy(model) ? "vertices" : "insertions", format_count(info.n_nodes)});
-    table.add({"triangles ever", format_count(info.n_triangles)});
-  }
+  add_count_rows(info, model, table);
   table.add({"memory", format_bytes(info.memory_bytes)});
   for (const BuiltTerrainInfo::Part& part : info.parts)
     table.add({part.name, fmt::format("{} in memory", format_bytes(part.memory_bytes)) +
@@ -141,18 +164,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
                                    ? fmt::format(", {} in the file", format_bytes(part.file_bytes))
                                    : "")});
   table.add({"finest error", fmt::format("{} at samples", format_number(info.max_error))});
-  json["levels"] = Json::array();
-  for (const BuiltTerrainInfo::Level& level : info.levels) {
-    json["levels"].push_back({{"tolerance", level.tolerance},
-                              {"triangles", level.triangles},
-                              {"vertices", level.vertices},
-                              {"smallest_angle", level.smallest_angle},
-                              {"median_angle", level.median_angle}});
-    table.add({"level", fmt::format("within {}: {} triangles, smallest angles {:.1f}° at least, "
-                                    "{:.1f}° in the middle",
-                                    format_number(level.tolerance), format_count(level.triangles),
-                                    level.smallest_angle, level.median_angle)});
-  }
+  add_level_rows(info, json, table);
 }
 
 Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) {
