@@ -753,7 +753,7 @@ class File:
 
     def read_gradients_of(self, i, page, models):
         c = Bits(self.take(GRADIENTS, page, i), models)
-        codes, (l, u, v), (of_l, of_u, of_v) = [], (128, 1200, 1200), (0, 0, 0)
+        codes, (l, u, v), (of_l, of_u, of_v) = [], (128, 1250, 1250), (0, 0, 0)
         for _ in range(self.n_page_vertices[page]):
             step = c.signed("length", of_l)
             l, of_l = l + step, min(abs(step).bit_length(), 8)
@@ -761,7 +761,7 @@ class File:
             u, of_u = u + step, min(abs(step).bit_length(), 12)
             step = c.signed("v", (of_u + of_v) // 2)
             v, of_v = v + step, min(abs(step).bit_length(), 12)
-            expect(0 <= l < 256 and 0 <= u <= 2400 and 0 <= v <= 2400, "no gradient")
+            expect(0 <= l < 256 and 0 <= u <= 2500 and 0 <= v <= 2500, "no gradient")
             codes.append((u, v, l))
         c.end()
         return codes

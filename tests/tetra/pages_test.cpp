@@ -214,7 +214,7 @@ TEST(page_primers, make_pages_smaller) {
 
 TEST(page_gradients, come_back_and_others_are_refused) {
   Random random(7);
-  std::vector<std::uint32_t> codes{0, 255U << 24 | 2400U << 12 | 2400U, 0, 1U << 24};
+  std::vector<std::uint32_t> codes{0, 255U << 24 | 2500U << 12 | 2500U, 0, 1U << 24};
   while (codes.size() < 600)
     codes.push_back(gradient_code(
         {{static_cast<float>(random.uniform(-1, 1)), static_cast<float>(random.uniform(-1, 1)),

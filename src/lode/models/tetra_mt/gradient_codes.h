@@ -7,8 +7,10 @@
 namespace lode::tetra_mt {
 
 inline constexpr int kGradientBits = 12;  ///< Of a coordinate of the direction,
-/// whose codes are 0 to this: even, so that both axes and the middle have codes, and as few as do.
-inline constexpr std::uint32_t kGradientSteps = 2400;
+/// whose codes are 0 to this: even, so that both axes and the middle have codes. Steps of 2 / n an
+/// axis turn no direction by more than sqrt(18) / n, in the middle of a face: 0.0017, or 0.097
+/// degrees.
+inline constexpr std::uint32_t kGradientSteps = 2500;
 inline constexpr int kGradientLengthBits = 8;
 
 /// Gradients in 32 bits, to tell which way a surface faces: the direction as a point of an
