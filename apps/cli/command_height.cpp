@@ -146,7 +146,7 @@ Result<std::optional<SourceCrs>> open_places_crs(const HeightArguments& argument
                                                  const HeightFrame& frame, Session& session) {
   if (arguments.places_crs.empty()) return std::optional<SourceCrs>();
   const Place middle = frame.world((frame.n_columns - 1) / 2.0, (frame.n_rows - 1) / 2.0);
-  auto source = open_source_crs(arguments.places_crs, frame.crs, middle[0]);
+  auto source = open_source_crs(arguments.places_crs, frame.crs, middle);
   if (!source) return fail("{}: --places-crs: {}", arguments.terrain.input, source.error().message);
   if (source->is_guess)
     session.warn(fmt::format(

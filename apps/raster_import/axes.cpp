@@ -7,7 +7,10 @@
 #include <limits>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "missing.h"
 
 namespace lode::raster_import {
 namespace {
@@ -44,9 +47,25 @@ AxisKind kind_of(const Variable& variable) {
   if (may_be_degrees && (name == "lon" || name == "longitude")) return AxisKind::longitude;
   if (may_be_degrees && (name == "lat" || name == "latitude")) return AxisKind::latitude;
   const std::string axis = text("axis");
-  if (axis == "x" || standard == "projection_x_coordinate" || name == "x") return AxisKind::x;
-  if (axis == "y" || standard == "projection_y_coordinate" || name == "y") return AxisKind::y;
+  if (axis == "x" || standard == "projection_x_coordinate" || name == "x" || name == "easting")
+    return AxisKind::x;
+  if (axis == "y" || standard == "projection_y_coordinate" || name == "y" || name == "northing")
+    return AxisKind::y;
   return AxisKind::unknown;
+}
+
+/// A variable of numbers over that dimension alone; else its id is -1.
+Variable one_along(int group, int id, int dimension) {
+  int rank = 0;
+  if (nc_inq_varndims(group, id, &rank) != NC_NOERR || rank != 1) return {};
+  Variable found{.group = group, .id = id};
+  found.dimensions.resize(1);
+  std::array<char, NC_MAX_NAME + 1> name{};
+  check(nc_inq_var(group, id, name.data(), &found.type, nullptr, found.dimensions.data(), nullptr),
+        "a coordinate");
+  found.name = name.data();
+  const bool is_number = found.type != NC_CHAR && found.type <= NC_UINT64;
+  return found.dimensions[0] == dimension && is_number ? found : Variable{};
 }
 
 std::string shown(double number) {
@@ -59,6 +78,11 @@ void set_places(const Variable& variable, Axis& axis) {
   constexpr double kMostOff = 0.01;
   std::vector<double> places(axis.n);
   check(nc_get_var_double(variable.group, variable.id, places.data()), "places along " + axis.name);
+  if (is_marked_unsigned(variable))
+    throw std::runtime_error("expected places along " + axis.name +
+                             ", got integers that are marked unsigned");
+  const Packing packing = read_packing(variable);
+  for (double& place : places) place = place * packing.scale + packing.offset;
   for (const double place : places)
     if (!std::isfinite(place))
       throw std::runtime_error("expected numbers for places along " + axis.name + ", got " +
@@ -85,6 +109,23 @@ void set_places(const Variable& variable, Axis& axis) {
   axis.has_places = true;
 }
 
+/// Of one name or another, longitudes or latitudes along a dimension: none where several are.
+Variable degrees_along(int group, int dimension) {
+  int n = 0;
+  check(nc_inq_varids(group, &n, nullptr), "variables");
+  std::vector<int> ids(static_cast<std::size_t>(n));
+  check(nc_inq_varids(group, &n, ids.data()), "variables");
+  Variable found;
+  for (const int id : ids) {
+    Variable one = one_along(group, id, dimension);
+    const AxisKind kind = one.id < 0 ? AxisKind::unknown : kind_of(one);
+    if (kind != AxisKind::longitude && kind != AxisKind::latitude) continue;
+    if (found.id >= 0) return {};
+    found = std::move(one);
+  }
+  return found;
+}
+
 bool is_northward(AxisKind kind) { return kind == AxisKind::latitude || kind == AxisKind::y; }
 bool is_eastward(AxisKind kind) { return kind == AxisKind::longitude || kind == AxisKind::x; }
 
@@ -93,19 +134,13 @@ bool is_eastward(AxisKind kind) { return kind == AxisKind::longitude || kind == 
 Variable coordinate_of(int group, int dimension) {
   const std::string name = dimension_name(group, dimension);
   for (int at = group;;) {
-    Variable found{.group = at, .name = name};
-    int rank = 0;
-    if (nc_inq_varid(at, name.c_str(), &found.id) == NC_NOERR &&
-        nc_inq_varndims(at, found.id, &rank) == NC_NOERR && rank == 1) {
-      found.dimensions.resize(1);
-      check(
-          nc_inq_var(at, found.id, nullptr, &found.type, nullptr, found.dimensions.data(), nullptr),
-          "a coordinate");
-      const bool is_number = found.type != NC_CHAR && found.type <= NC_UINT64;
-      if (found.dimensions[0] == dimension && is_number) return found;
+    int id = 0;
+    if (nc_inq_varid(at, name.c_str(), &id) == NC_NOERR) {
+      Variable found = one_along(at, id, dimension);
+      if (found.id >= 0) return found;
     }
     int parent = 0;
-    if (nc_inq_grp_parent(at, &parent) != NC_NOERR) return {};
+    if (nc_inq_grp_parent(at, &parent) != NC_NOERR) return degrees_along(group, dimension);
     at = parent;
   }
 }

@@ -20,7 +20,8 @@ struct Axis {
   std::string units;        ///< As the file says them.
 };
 
-/// The coordinate variable of a dimension, by name, in a group or those it is in; id -1: none.
+/// The coordinate variable of a dimension, by name, in a group or those it is in, or the only one
+/// of the group that has longitudes or latitudes along it; id -1: none.
 [[nodiscard]] Variable coordinate_of(int group, int dimension);
 
 /// Throws std::runtime_error where places are uneven by more than a hundredth of a step, or by what

@@ -169,7 +169,11 @@ std::size_t rows_at_once(const Grid& grid, std::size_t n_sample) {
   check(nc_inq_var_chunking(variable.group, variable.id, &storage, chunk.data()), "chunks");
   const std::size_t n_chunk_rows =
       storage == NC_CHUNKED ? std::max<std::size_t>(1, chunk[variable.rank() - 2]) : 1;
-  const std::size_t n_at_once = std::max<std::size_t>(1, kFew / n_row);
+  // Chunks of several layers are unpacked for one.
+  std::size_t n_layers = 1;
+  for (std::size_t i = 0; storage == NC_CHUNKED && i + 2 < variable.rank(); ++i)
+    n_layers *= std::clamp<std::size_t>(chunk[i], 1, kFew);
+  const std::size_t n_at_once = std::max<std::size_t>(1, kFew / n_row / std::min(n_layers, kFew));
   if (storage != NC_CHUNKED) return n_at_once;
   if (n_chunk_rows <= kMany / n_row)
     return std::max(n_at_once / n_chunk_rows, std::size_t{1}) * n_chunk_rows;

@@ -60,6 +60,13 @@ std::optional<Variable> mapping_variable(const Variable& variable) {
 
 std::optional<int> epsg_of(const Variable& mapping) {
   std::string code = text_attribute(mapping.group, mapping.id, "epsg_code");
+  const nc_type type = attribute_shape(mapping.group, mapping.id, "epsg_code").type;
+  if (type != NC_NAT && type != NC_CHAR && type != NC_STRING) {
+    const std::vector<double> numbers = numbers_attribute(mapping.group, mapping.id, "epsg_code");
+    constexpr double kMost = 1e6;
+    if (!numbers.empty() && numbers[0] > 0 && numbers[0] < kMost)
+      return static_cast<int>(numbers[0]);
+  }
   if (code.starts_with("EPSG:")) code.erase(0, 5);
   int number = 0;
   const auto [end, status] = std::from_chars(code.data(), code.data() + code.size(), number);

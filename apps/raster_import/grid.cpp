@@ -157,16 +157,50 @@ std::optional<double> metres_of(const std::string& units) {
 }
 
 void put_in_units(const GridMapping& mapping, Axis& axis) {
-  if (axis.units == "rad" || axis.units == "radian" || axis.units == "radians")
-    throw std::runtime_error("expected lengths along " + axis.name + ", got angles of a satellite");
   const auto metres = metres_of(axis.units);
   if (mapping.is_geographic || !metres || *metres == mapping.metres_a_unit) return;
   axis.first *= *metres / mapping.metres_a_unit;
   axis.step *= *metres / mapping.metres_a_unit;
 }
 
+/// Throws where places are not what the mapping is of.
+void check_mapping(const GridMapping& mapping, const Axis& axis) {
+  const bool is_of_degrees = axis.kind == AxisKind::longitude || axis.kind == AxisKind::latitude;
+  if (!mapping.is_geographic && is_of_degrees)
+    throw std::runtime_error("expected lengths of the projection along " + axis.name +
+                             ", got longitudes or latitudes");
+  if (mapping.is_geographic && metres_of(axis.units))
+    throw std::runtime_error("expected degrees along " + axis.name + ", got " + axis.units);
+}
+
+/// Of no CRS, or one that is stated elsewhere.
+void put_in_metres(Axis& axis, std::vector<std::string>& notes) {
+  const double metres = metres_of(axis.units).value_or(1);
+  if (metres == 1) return;
+  axis.first *= metres;
+  axis.step *= metres;
+  notes.push_back("its places along " + axis.name + " are in " + axis.units +
+                  ", and are turned into metres");
+}
+
+void note_what_is_taken(Grid& grid) {
+  if (!grid.columns.has_places) {
+    grid.notes.push_back(
+        "it does not say where its rows and columns lie: the first row is taken "
+        "for the northern one");
+    return;
+  }
+  if (grid.columns.kind == AxisKind::unknown && grid.rows.kind == AxisKind::unknown)
+    grid.notes.push_back("it does not say which way its axes lead: " + grid.columns.name +
+                         " is taken for x, and " + grid.rows.name + " for y");
+}
+
 void set_crs(const Choice& choice, Grid& grid) {
   if (!grid.columns.has_places) return;
+  for (const Axis* axis : {&grid.columns, &grid.rows})
+    if (axis->units == "rad" || axis->units == "radian" || axis->units == "radians")
+      throw std::runtime_error("expected lengths or degrees along " + axis->name +
+                               ", got angles of a satellite");
   GridMapping mapping;
   try {
     mapping = read_grid_mapping(grid.variable);
@@ -176,7 +210,13 @@ void set_crs(const Choice& choice, Grid& grid) {
   grid.crs = mapping.wkt;
   grid.is_in_plain_degrees = mapping.wkt.empty() && grid.columns.kind == AxisKind::longitude &&
                              grid.rows.kind == AxisKind::latitude;
-  if (mapping.wkt.empty()) return;
+  if (mapping.wkt.empty()) {
+    put_in_metres(grid.columns, grid.notes);
+    put_in_metres(grid.rows, grid.notes);
+    return;
+  }
+  check_mapping(mapping, grid.columns);
+  check_mapping(mapping, grid.rows);
   put_in_units(mapping, grid.columns);
   put_in_units(mapping, grid.rows);
 }
@@ -192,6 +232,7 @@ Grid find_grid(int root, const Choice& choice) {
   check_dimensions(grid);
   check_places(grid);
   set_crs(choice, grid);
+  note_what_is_taken(grid);
   // GMT's word for pixels; without it CF says where samples are, and not what they are of.
   const std::vector<double> offset = numbers_attribute(root, NC_GLOBAL, "node_offset");
   if (!offset.empty()) grid.is_point = offset.front() == 0;

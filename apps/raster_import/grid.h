@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "axes.h"
 #include "netcdf_file.h"
@@ -25,6 +26,7 @@ struct Grid {
   Axis rows;
   std::string crs;                   ///< As WKT; empty: not known.
   bool is_in_plain_degrees = false;  ///< Longitudes and latitudes, of which it says no more.
+  std::vector<std::string> notes;    ///< What is taken for something that the file does not say.
   std::optional<bool> is_point;  ///< Samples are at places, not of cells; none: it does not say.
 };
 

@@ -5,8 +5,11 @@
 #include <cpl_error.h>
 #include <gdal.h>
 #include <gdal_frmts.h>
+#include <poll.h>
+#include <strings.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <charconv>
@@ -91,9 +94,8 @@ void say(const char* what, std::string text) {
   std::fflush(stdout);
 }
 
-/// No more memory than that, no core file, and no life after lode's.
+/// No more memory than that, and no core file.
 void limit_self() {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   std::ifstream status("/proc/self/status");
@@ -119,7 +121,8 @@ Format format_of(const std::string& path) {
 }
 
 void set_up_libraries() {
-  ::setenv("NCRCENV_IGNORE", "1", 1);  // no settings of libnetcdf's from files
+  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);  // nothing is written
+  ::setenv("NCRCENV_IGNORE", "1", 1);             // no settings of libnetcdf's from files
   CPLSetErrorHandler(CPLQuietErrorHandler);
   CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
   CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
@@ -159,10 +162,19 @@ void import(const Arguments& arguments) {
   if (grid.is_in_plain_degrees) say("degrees", "");
   if (grid.is_point.value_or(false)) say("points", "");
   const Variable& variable = grid.variable;
-  if (text_attribute(variable.group, variable.id, "positive") == "down")
+  for (const std::string& note : grid.notes) say("note", note);
+  const std::string positive = text_attribute(variable.group, variable.id, "positive");
+  if (::strcasecmp(positive.c_str(), "down") == 0)
     say("note", variable.name + " grows downwards, as the file says, and is read as it is");
   copy_grid(grid, arguments.choice, std::filesystem::file_size(input), arguments.output,
             Reporter());
+}
+
+/// No life after lode's: not even if it was over before this could say so.
+bool is_wanted() {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  pollfd output{.fd = STDOUT_FILENO, .events = 0, .revents = 0};
+  return ::poll(&output, 1, 0) <= 0 || (output.revents & POLLERR) == 0;
 }
 
 int run(const Arguments& arguments) {
@@ -186,6 +198,7 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace lode::raster_import;
+  if (!is_wanted()) return kFailure;
   if (argc == 2 && std::string(argv[1]) == "--help") {
     std::fputs(kHelp, stdout);
     return 0;

@@ -1,5 +1,6 @@
 #include "missing.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -75,6 +76,19 @@ bool is_filled(const Variable& variable) {
   return is_left == 0;
 }
 
+/// A bound of heights, or of what is stored, as a stored number: what was one before it was written
+/// in another type is that again.
+template <typename T>
+double stored_bound(double bound, const Packing& packing) {
+  const double stored = (bound - packing.offset) / packing.scale;
+  if constexpr (std::is_same_v<T, float>) return static_cast<double>(static_cast<float>(stored));
+  const double whole = std::round(stored);
+  constexpr double kOff = 1e-6;
+  const bool is_whole =
+      std::is_integral_v<T> && std::abs(stored - whole) <= kOff * std::max(1.0, std::abs(whole));
+  return is_whole ? whole : stored;
+}
+
 template <typename T>
 void set_range(const Variable& variable, Missing<T>& missing) {
   const char* const names[] = {"valid_range", "valid_min", "valid_max"};
@@ -89,11 +103,14 @@ void set_range(const Variable& variable, Missing<T>& missing) {
     if (is_range && numbers.size() != 2)
       throw std::runtime_error("expected two numbers in the attribute valid_range, got " +
                                std::to_string(numbers.size()));
-    if (name != names[2]) missing.least = numbers.front();
-    if (name != names[1]) missing.most = numbers.back();
     // Of heights where they are written as these and not as what is stored.
     const bool is_of_heights = type != variable.type && (type == NC_FLOAT || type == NC_DOUBLE);
-    if (is_of_heights) missing.packing = read_packing(variable);
+    const Packing packing = is_of_heights ? read_packing(variable) : Packing{};
+    std::optional<double>* least = &missing.least;
+    std::optional<double>* most = &missing.most;
+    if (packing.scale < 0) std::swap(least, most);
+    if (name != names[2]) *least = stored_bound<T>(numbers.front(), packing);
+    if (name != names[1]) *most = stored_bound<T>(numbers.back(), packing);
   }
 }
 

@@ -27,16 +27,15 @@ template <typename T>
 struct Missing {
   std::optional<T> nodata{};  ///< What others become; none: all count.
   std::vector<T> others{};
-  std::optional<double> least{};
+  std::optional<double> least{};  ///< As numbers are stored, and rounded as T is.
   std::optional<double> most{};
-  Packing packing{};  ///< Of least and most, which may be of heights.
 
   [[nodiscard]] bool is_plain() const { return others.empty() && !least && !most; }
   [[nodiscard]] bool is_other(T value) const {
     for (const T other : others)
       if (value == other) return true;
-    const double z = static_cast<double>(value) * packing.scale + packing.offset;
-    return (least && z < *least) || (most && z > *most);
+    const auto number = static_cast<double>(value);
+    return (least && number < *least) || (most && number > *most);
   }
 };
 

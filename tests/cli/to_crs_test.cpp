@@ -333,7 +333,7 @@ TEST_F(cli_to_crs, height_refuses_places_of_no_crs_and_those_that_are_none) {
     words.emplace_back(crs);
     return run_lode(words);
   };
-  for (const char* crs : {"EPSG:5773", "EPSG:4326+5773", "EPSG:4978", "metres"}) {
+  for (const char* crs : {"EPSG:5773", "EPSG:4326+5773", "EPSG:4978", "metres", "EPSG:5513"}) {
     const Finished run = with(crs);
     EXPECT_EQ(run.exit_code, 1) << crs;
     EXPECT_NE(run.err.find("--places-crs"), std::string::npos) << run.err;

@@ -12,6 +12,7 @@ namespace {
 
 using test::kNetcdfFormats;
 using test::NetcdfFile;
+using test::places;
 using test::RasterFile;
 using test::set_number;
 using test::set_text;
@@ -128,6 +129,27 @@ TEST_F(netcdf_raster, lacks_what_its_file_says_is_missing) {
     set_number(nc, z, "valid_max", NC_DOUBLE, 1.0);
   };
   EXPECT_EQ(read(write(file)).grid.n_missing(), 2U);
+}
+
+/// Samples at the bounds count, though bounds are of another type and round otherwise.
+TEST_F(netcdf_raster, has_samples_at_the_ends_of_its_range) {
+  NetcdfFile file = alps();
+  file.type = NC_FLOAT;
+  file.samples = places(-10.1, 0.3, 12);
+  file.define = [](int nc, int z) {
+    set_number(nc, z, "valid_min", NC_DOUBLE, -10.1);
+    set_number(nc, z, "valid_max", NC_DOUBLE, -6.8);
+  };
+  EXPECT_EQ(read(write(file)).grid.n_missing(), 0U);
+  file.type = NC_SHORT;
+  file.samples = places(28, 1, 12);
+  for (const double scale : {0.1, -0.1}) {
+    file.define = [&](int nc, int z) {
+      set_number(nc, z, "scale_factor", NC_DOUBLE, scale);
+      set_number(nc, z, scale > 0 ? "valid_max" : "valid_min", NC_DOUBLE, scale > 0 ? 3.3 : -3.3);
+    };
+    EXPECT_EQ(read(write(file)).grid.n_missing(), 6U) << scale;  // 34 to 39
+  }
 }
 
 TEST_F(netcdf_raster, holds_integers_of_64_bits_exactly) {

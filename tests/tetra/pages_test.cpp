@@ -156,6 +156,8 @@ TEST(tetra_pages, come_back_from_their_bytes) {
     ASSERT_EQ(values.values.size(), content.n_nodes());
     const PageTree tree = PageTree::of(content, page);
     const bool is_narrow = head.fields[0].has_narrow_values;
+    soften(written_field);
+    soften(read_field);
     const auto bytes = encode_field(values, scale, tree, is_narrow, written_field);
     const auto again = decode_field(bytes, "page", scale, tree, is_narrow, read_field);
     ASSERT_TRUE(again);
@@ -183,12 +185,48 @@ TEST(page_primers, are_few_spread_and_of_any_number_of_pages) {
         for (int i = 0; i < 40; ++i) model.learn(false);
         return 10 * page;
       });
-  EXPECT_EQ(taught->models().n_seen, kMostTaught);
-  EXPECT_GT(taught->models().zero, 60000);
+  ASSERT_NE(taught->models(), nullptr);
+  EXPECT_EQ(taught->models()->n_seen, kMostTaught);
+  EXPECT_GT(taught->models()->zero, 60000);
   EXPECT_EQ(*taught->find(4), 40U);
   EXPECT_EQ(taught->find(2), nullptr);
   EXPECT_FALSE((Primers<BitModel, int>::of(
       9, [](std::uint32_t page, BitModel&) -> Result<int> { return fail("page {}", page); })));
+}
+
+/// Each node discovers the one before, and has most nodes of its block: all of them wait for all.
+TEST(tetra_pages, with_children_that_all_have_come_back_soon) {
+  const PageShape shape{.n_base_vertices = 4, .n_nodes = kPageNodes};
+  constexpr std::uint32_t kBlock = 100;
+  PageContent content;
+  for (std::uint32_t i = 0; i < kPageNodes; ++i) {
+    content.positions.push_back({{1.0 * i, 0, 0}});
+    content.boxes.push_back(0);
+    content.targets.push_back(0);
+    const std::uint32_t begin = i / kBlock * kBlock;
+    if (i > 0) content.children.items.push_back(i - 1);
+    for (std::uint32_t k = begin; k + 1 < i; ++k) content.children.items.push_back(k);
+    content.children.end_list();
+    content.n_discovered.push_back(i > 0 ? 1 : 0);
+    for (std::uint32_t k = 0; k < content.children[i].size(); ++k)
+      content.makers.items.push_back(static_cast<std::uint8_t>(k));
+    content.makers.end_list();
+    content.regions.end_list();
+  }
+  for (std::uint32_t i = 0; i < kPageNodes; ++i) {
+    const std::uint32_t end = std::min(kPageNodes, (i / kBlock + 1) * kBlock + 1);
+    for (std::uint32_t k = i + 1; k < end; ++k) {
+      const auto children = content.children[k];
+      if (std::ranges::find(children, i) != children.end()) content.parents.items.push_back(k);
+    }
+    content.parents.end_list();
+  }
+  LinkModels models{};
+  const auto bytes = encode_links(content, 0, shape, models);
+  models = {};
+  PageContent found;
+  ASSERT_TRUE(decode_links(bytes, "page", 0, shape, models, found));
+  EXPECT_EQ(found, content);
 }
 
 /// What whole pages take is what this is for: of noise, whose links are the most random.
@@ -205,7 +243,7 @@ TEST(page_primers, make_pages_smaller) {
   for (std::uint32_t page = 0; page < shape.n_pages(); ++page) {
     if (primers->find(page) != nullptr) continue;
     LinkModels alone{};
-    LinkModels taught = primers->models();
+    LinkModels taught = *primers->models();
     n_alone += encode_links(content_of(hierarchy, page), page, shape, alone).size();
     n_taught += encode_links(content_of(hierarchy, page), page, shape, taught).size();
   }

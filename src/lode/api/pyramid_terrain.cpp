@@ -19,12 +19,12 @@ using delaunay_pyramid::PyramidFile;
 namespace {
 
 /// As the enumerators of Encoding.
-constexpr std::array kModels{TerrainModel::complete_pyramid, TerrainModel::triangle_lists,
-                             TerrainModel::linked_triangle_lists};
+constexpr std::array kPyramidModels{TerrainModel::complete_pyramid, TerrainModel::triangle_lists,
+                                    TerrainModel::linked_triangle_lists};
 
 Encoding encoding_of(TerrainModel model) {
-  const auto* const found = std::ranges::find(kModels, model);
-  return static_cast<Encoding>(found - kModels.begin());
+  const auto* const found = std::ranges::find(kPyramidModels, model);
+  return static_cast<Encoding>(found - kPyramidModels.begin());
 }
 
 /// What it asks for beside one tolerance; nothing where that is all.
@@ -92,7 +92,7 @@ Result<std::shared_ptr<const PyramidTerrain>> PyramidTerrain::open(const std::st
 }
 
 TerrainModel PyramidTerrain::model() const {
-  return kModels[static_cast<std::size_t>(head_.encoding)];
+  return kPyramidModels[static_cast<std::size_t>(head_.encoding)];
 }
 
 Result<PyramidTerrain::Shared> PyramidTerrain::with_mesh(std::size_t level,

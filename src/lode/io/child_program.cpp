@@ -41,15 +41,18 @@ Result<ChildProgram> ChildProgram::start(const std::vector<std::string>& words, 
   std::array<int, 2> ends{-1, -1};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
     return fail("{}: cannot be started: {}", words[0], std::strerror(errno));
+  // Above those that the program gets, of which some may be free.
+  const int written = ::fcntl(ends[1], F_DUPFD_CLOEXEC, kPassed + 1);
+  const int given = passed >= 0 ? ::fcntl(passed, F_DUPFD_CLOEXEC, kPassed + 1) : -1;
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, written, STDOUT_FILENO);
   if (errors == ChildErrors::read)
-    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, written, STDERR_FILENO);
   else
     ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  if (passed >= 0) ::posix_spawn_file_actions_adddup2(&actions, passed, kPassed);
+  if (passed >= 0) ::posix_spawn_file_actions_adddup2(&actions, given, kPassed);
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
@@ -58,7 +61,8 @@ Result<ChildProgram> ChildProgram::start(const std::vector<std::string>& words, 
   const int status =
       ::posix_spawn(&process, words[0].c_str(), &actions, nullptr, argv.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  ::close(ends[1]);
+  for (const int end : {ends[1], written, given})
+    if (end >= 0) ::close(end);
   if (status == 0) return ChildProgram(process, ends[0]);
   ::close(ends[0]);
   return fail("{}: cannot be started: {}", words[0], std::strerror(status));
@@ -81,8 +85,9 @@ Result<std::optional<std::string>> ChildProgram::read_line(
     const Progress& progress, std::optional<std::chrono::milliseconds> patience) {
   constexpr int kGlanceMs = 100;
   constexpr std::size_t kMostBytes = std::size_t{4} << 20;
-  const auto begin = std::chrono::steady_clock::now();
   std::array<char, 4096> part{};
+  // Of glances, not of time: what was stopped with its parent was not silent meanwhile.
+  std::chrono::milliseconds silence{0};
   std::size_t n_seen = 0;
   while (true) {
     if (progress.is_cancelled()) return cancelled_error();
@@ -94,17 +99,18 @@ Result<std::optional<std::string>> ChildProgram::read_line(
     }
     n_seen = text_.size();
     if (n_seen > kMostBytes) return fail("expected lines of up to 4 MiB, got a longer one");
-    const auto waited = std::chrono::steady_clock::now() - begin;
-    if (patience && waited > *patience)
+    if (patience && silence > *patience)
       return fail("no word for {} s",
                   std::chrono::duration_cast<std::chrono::seconds>(*patience).count());
     pollfd waiting{.fd = output_, .events = POLLIN, .revents = 0};
     const int n_ready = ::poll(&waiting, 1, kGlanceMs);
+    if (n_ready == 0) silence += std::chrono::milliseconds(kGlanceMs);
     if (n_ready == 0 || (n_ready < 0 && errno == EINTR)) continue;
     const ssize_t n = ::read(output_, part.data(), part.size());
     if (n < 0 && errno == EINTR) continue;
     if (n > 0) {
       text_.append(part.data(), static_cast<std::size_t>(n));
+      silence = {};
       continue;
     }
     if (text_.empty()) return std::optional<std::string>();

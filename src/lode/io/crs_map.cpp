@@ -241,7 +241,7 @@ Result<TargetCrs> open_target_crs(const std::string& source, const std::string& 
 }
 
 Result<SourceCrs> open_source_crs(const std::string& source, const std::string& target,
-                                  double middle) try {
+                                  const Vec<double, 2>& middle) try {
   LODE_CHECK(check_target_crs(source));
   if (target.empty())
     return fail(
@@ -252,7 +252,14 @@ Result<SourceCrs> open_source_crs(const std::string& source, const std::string& 
   SourceCrs made;
   made.name = crs_name_in(wkt);
   LODE_TRY(auto map, open_map(wkt, target, turns_of({}, to), made.is_guess));
-  map->set_near(middle);
+  map->set_near(middle[0]);
+  bool is_back_guess = false;
+  LODE_TRY(const auto back, open_map(target, wkt, {}, is_back_guess));
+  if (is_mirrored(*back, to, middle))
+    return fail(
+        "expected a CRS of x to the right and y up, got {}, whose axes come in another order: "
+        "there may be one that is the same but for that, as EPSG:5514 is for EPSG:5513",
+        made.name);
   made.map = std::move(map);
   return made;
 } catch (const std::bad_alloc&) {

@@ -42,9 +42,11 @@ struct SourceCrs {
 };
 
 /// Places of a CRS, EPSG:N or WKT, in that of `target`, as WKT, whose heights do not matter.
-/// Longitudes there come within half a turn of x = `middle`. Fails where check_target_crs() does of
-/// the source, where the target is not known, and where there is no way to it.
+/// Longitudes there come within half a turn of that of `middle`, a place there. Fails where
+/// check_target_crs() does of the source, where the target is not known, and where there is no way
+/// to it.
 [[nodiscard]] Result<SourceCrs> open_source_crs(const std::string& source,
-                                                const std::string& target, double middle);
+                                                const std::string& target,
+                                                const Vec<double, 2>& middle);
 
 }  // namespace lode::io

@@ -102,7 +102,6 @@ Result<void> GdalRaster::open_netcdf(const HeightReadOptions& options, Progress&
                                              .nodata_is_stated = options.nodata.has_value()},
                                             progress));
   imported_.emplace(std::move(made));
-  n_file_bytes_ = imported_->n_bytes;
   gdal_->reset_errors();
   dataset_ = gdal_->open(imported_->name().c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kTiff.data(),
                          nullptr, nullptr);

@@ -1,7 +1,5 @@
 #include "lode/io/netcdf_raster.h"
 
-#include <sys/stat.h>
-
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +19,8 @@ using namespace std::string_view_literals;
 constexpr const char* kNetcdfImporter = "lode-raster-import";
 /// 128 and more are signals, as a shell says it.
 constexpr int kFirstSignal = 128;
+/// Of the loader, as of a shell.
+constexpr int kNotLoaded = 127;
 
 std::vector<std::string> import_words(const std::string& program, const std::string& path,
                                       const NetcdfChoice& choice) {
@@ -79,6 +79,11 @@ Result<void> run_netcdf_importer(const std::string& path, const std::vector<std:
   const int exit_code = child.wait();
   if (progress.is_cancelled()) return cancelled_error();
   if (exit_code == 0) return {};
+  if (exit_code == kNotLoaded)
+    return fail(
+        "{}: expected the program {} to start, which reads netCDF, but one of the libraries "
+        "it needs is not there",
+        path, words[0]);
   if (exit_code > kFirstSignal)
     return fail(
         "{}: expected netCDF that {} can read, got a crash of it ({}): the file may be "
@@ -125,10 +130,6 @@ Result<NetcdfRaster> import_netcdf(const std::string& path, const NetcdfChoice& 
   NetcdfRaster raster{.copy = std::move(copy)};
   LODE_CHECK(
       run_netcdf_importer(path, import_words(found, path, choice), program, raster, progress));
-  struct stat about {};
-  if (::fstat(raster.copy.descriptor(), &about) != 0)
-    return fail("{}: expected a temporary copy, got: {}", path, system_message());
-  raster.n_bytes = static_cast<std::uint64_t>(about.st_size);
   return raster;
 }
 

@@ -33,7 +33,6 @@ struct NetcdfProgram {
 /// when this or the process is.
 struct NetcdfRaster {
   SpoolFile copy;
-  std::uint64_t n_bytes = 0;         ///< Of the copy.
   std::string crs{};                 ///< As WKT, which the copy does not have; empty: not known.
   bool is_in_plain_degrees = false;  ///< Longitudes and latitudes, of which the file says no more.
   bool is_of_points = false;         ///< Samples are at places, not of cells.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/core/result.h"
@@ -44,8 +45,8 @@ class ChildLinks {
         n_children_(n_children),
         n_(static_cast<std::uint32_t>(n_children.size())),
         what_(what),
-        far_seen_(far.vertices().size(), kNone),
-        near_seen_(n_, kNone),
+        far_seen_(far.vertices().size()),
+        near_seen_(n_),
         lists_(n_) {}
 
   /// `given`: for a writer. Fills the children of `made`, which has their numbers discovered.
@@ -78,13 +79,16 @@ class ChildLinks {
   [[nodiscard]] const PageTree& tree() const { return tree_; }
 
  private:
-  enum Group : std::uint8_t { discovered, others };
+  enum Group : std::uint8_t { discovered, further };
   static constexpr std::uint32_t kFew = ChildModels::kFew;
-  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  /// Of a node, for the one whose others are coded, if that is `by`.
+  struct Seen {
+    std::uint32_t by = 0xFFFFFFFF;
+    std::uint32_t n_times = 0;  ///< That it waits; 0: it was asked for, or is a child.
+  };
 
   [[nodiscard]] bool is_near(std::uint32_t node) const { return node - first_ < n_; }
-  /// By whom a node was asked for, or last had, as a child.
-  [[nodiscard]] std::uint32_t& seen_of(std::uint32_t node) {
+  [[nodiscard]] Seen& seen_of(std::uint32_t node) {
     if (is_near(node)) return near_seen_[node - first_];
     const auto far = far_.vertices();
     return far_seen_[static_cast<std::size_t>(std::ranges::lower_bound(far, n_base_ + node) -
@@ -94,13 +98,13 @@ class ChildLinks {
   Result<void> code_others(std::uint16_t i) {
     const std::size_t n_discovered = lists_[i].size();
     is_done_[i] = true;
-    near_seen_[i] = i;
+    near_seen_[i] = {i, 0};
     candidates_.clear();
-    for (const std::uint32_t child : lists_[i]) seen_of(child) = i;
+    for (const std::uint32_t child : lists_[i]) seen_of(child) = {i, 0};
     for (std::size_t k = 0; k < n_discovered; ++k) add_children_of(lists_[i][k], i);
     code_shared(i);
     rest_.clear();
-    LODE_CHECK(code_list(i, Group::others, rest_));
+    LODE_CHECK(code_list(i, Group::further, rest_));
     std::vector<std::uint32_t>& list = lists_[i];
     list.insert(list.end(), rest_.begin(), rest_.end());
     const auto begin = list.begin() + static_cast<std::ptrdiff_t>(n_discovered);
@@ -115,14 +119,10 @@ class ChildLinks {
   void code_shared(std::uint16_t i) {
     while (!given_.empty() && !candidates_.empty()) {
       const std::uint32_t node = candidates_.front();
-      std::size_t n_times = 0;
-      for (; !candidates_.empty() && candidates_.front() == node; ++n_times) {
-        std::ranges::pop_heap(candidates_, std::greater());
-        candidates_.pop_back();
-      }
-      seen_of(node) = i;
-      auto& models =
-          models_.is_shared[is_near(node) ? 1 : 0][std::min<std::size_t>(n_times, 4) - 1];
+      std::ranges::pop_heap(candidates_, std::greater());
+      candidates_.pop_back();
+      const std::uint32_t n_times = std::exchange(seen_of(node).n_times, 0);
+      auto& models = models_.is_shared[is_near(node) ? 1 : 0][std::min(n_times, 4U) - 1];
       const auto at = std::ranges::find(given_, node);
       if (!coder_.bit(models[std::min<std::size_t>(given_.size(), 4) - 1], at != given_.end()))
         continue;
@@ -135,7 +135,11 @@ class ChildLinks {
   void add_children_of(std::uint32_t node, std::uint16_t i) {
     if (!is_near(node) || node - first_ == i || !is_done_[node - first_]) return;
     for (const std::uint32_t child : lists_[node - first_]) {
-      if (seen_of(child) == i) continue;
+      Seen& seen = seen_of(child);
+      if (seen.by == i && seen.n_times == 0) continue;
+      const bool waits = seen.by == i;
+      seen = {i, waits ? seen.n_times + 1 : 1};
+      if (waits) continue;
       candidates_.push_back(child);
       std::ranges::push_heap(candidates_, std::greater());
     }
@@ -190,13 +194,13 @@ class ChildLinks {
   std::span<const std::uint32_t> n_children_;
   std::uint32_t n_;
   const std::string& what_;
-  std::vector<std::uint32_t> far_seen_;   ///< By far vertex, ascending, and
-  std::vector<std::uint32_t> near_seen_;  ///< by place: seen_of().
+  std::vector<Seen> far_seen_;   ///< By far vertex, ascending, and
+  std::vector<Seen> near_seen_;  ///< by place: seen_of().
   std::vector<std::vector<std::uint32_t>> lists_;
   PageTree tree_;
   std::array<bool, kPageNodes> is_done_{};  ///< Whether its list is whole.
   std::vector<std::uint32_t> given_;        ///< Of the list that is coded; a reader's are zeros.
-  std::vector<std::uint32_t> candidates_;   ///< A heap, the smallest first; once for each link.
+  std::vector<std::uint32_t> candidates_;   ///< Those that wait: a heap, the smallest first.
   std::vector<std::uint32_t> rest_;
 };
 

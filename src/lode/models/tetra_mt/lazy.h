@@ -7,7 +7,7 @@
 
 namespace lode::tetra_mt {
 
-/// What is made when it is first asked for, whoever asks; also that it could not be made.
+/// What is made when it is first asked for, whoever asks; again where it could not be made.
 template <typename T>
 class Lazy {
  public:
@@ -15,14 +15,15 @@ class Lazy {
   template <typename Make>
   [[nodiscard]] Result<const T*> get(const Make& make) {
     const std::scoped_lock lock(mutex_);
-    if (!thing_) thing_.emplace(make());
-    if (!*thing_) return thing_->error();
-    return &thing_->value();
+    if (!thing_) {
+      LODE_TRY(thing_, make());
+    }
+    return &*thing_;
   }
 
  private:
   std::mutex mutex_;
-  std::optional<Result<T>> thing_;
+  std::optional<T> thing_;
 };
 
 }  // namespace lode::tetra_mt

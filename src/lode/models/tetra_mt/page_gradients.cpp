@@ -39,7 +39,8 @@ class GradientCoder {
     const std::int32_t step =
         unfolded(model.code(coder_, folded(static_cast<std::int32_t>(given - course.last))));
     course.last += static_cast<std::uint32_t>(step);
-    const int n_bits = std::bit_width(static_cast<std::uint32_t>(step < 0 ? -step : step));
+    const auto size = static_cast<std::uint32_t>(step < 0 ? -step : step);
+    const auto n_bits = static_cast<int>(std::bit_width(size));
     course.n_bits = static_cast<std::size_t>(std::min(n_bits, course.n_code_bits));
     return course.last;
   }
@@ -58,7 +59,7 @@ std::vector<std::byte> encode_gradients(std::span<const std::uint32_t> codes,
                                         GradientModels& models) {
   RangeWriter out;
   GradientCoder coder(out, models);
-  for (const std::uint32_t code : codes) coder.code(code);
+  for (const std::uint32_t code : codes) static_cast<void>(coder.code(code));
   LODE_EXPECTS(coder.is_valid());
   return std::move(out).take();
 }
@@ -72,7 +73,8 @@ Result<std::vector<std::uint32_t>> decode_gradients(std::span<const std::byte> b
   for (std::uint32_t& code : codes) {
     code = coder.code(0);
     if (!coder.is_valid())
-      return fail("{}: expected codes of gradients up to {}", what, kGradientSteps);
+      return fail("{}: expected codes of directions up to {} and of lengths up to 255, got others",
+                  what, kGradientSteps);
   }
   if (!in.is_at_end()) return fail("{}: expected as many bytes as were read", what);
   return codes;

@@ -29,7 +29,9 @@ inline constexpr std::uint32_t kMostPrimers = 4;
 inline constexpr std::uint16_t kMostTaught = 14;
 template <typename Models>
 void soften(Models& models) {
-  static_assert(std::is_trivially_copyable_v<Models> && alignof(Models) == alignof(BitModel));
+  static_assert(std::is_trivially_copyable_v<Models> && alignof(Models) == alignof(BitModel) &&
+                    sizeof(Models) % sizeof(BitModel) == 0,
+                "of BitModels alone");
   const std::span all(reinterpret_cast<BitModel*>(&models), sizeof(Models) / sizeof(BitModel));
   for (BitModel& model : all) model.n_seen = std::min(model.n_seen, kMostTaught);
 }
@@ -48,12 +50,20 @@ class Primers {
       primers.pages_.push_back(std::move(page));
       soften(*primers.models_);
     }
+    if (primers.numbers_.size() == n_pages) primers.models_.reset();  // nobody begins with them
     return primers;
   }
 
-  /// With which all other pages begin.
-  [[nodiscard]] const Models& models() const { return *models_; }
-  [[nodiscard]] const std::vector<Page>& pages() const { return pages_; }
+  /// A primer as it was made, another page by `code(models)`, with models as they are before it:
+  /// what that returns, a Page or a Result of one.
+  template <typename Code>
+  [[nodiscard]] auto page(std::uint32_t number, const Code& code) const {
+    if (const Page* const primer = find(number)) return decltype(code(*models_))(*primer);
+    const auto models = std::make_unique<Models>(*models_);
+    return code(*models);
+  }
+  /// With which pages begin that are no primers; null where all are.
+  [[nodiscard]] const Models* models() const { return models_.get(); }
   /// None: of another page.
   [[nodiscard]] const Page* find(std::uint32_t number) const {
     const auto at = std::ranges::find(numbers_, number);

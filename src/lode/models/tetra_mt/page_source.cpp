@@ -46,9 +46,7 @@ Result<void> PageSource::check() const {
 
 Result<PageContent> PageSource::links(std::uint32_t page) const {
   LODE_TRY(const auto* const primers, link_primers());
-  if (const auto* const content = primers->find(page)) return *content;
-  const auto models = std::make_unique<LinkModels>(primers->models());
-  return read_links(page, *models);
+  return primers->page(page, [&](LinkModels& models) { return read_links(page, models); });
 }
 
 Result<const PageSource::LinkPrimers*> PageSource::link_primers() const {
@@ -77,9 +75,8 @@ Result<FieldContent> PageSource::field(std::size_t number, std::uint32_t page, c
     });
   };
   LODE_TRY(const auto* const primers, fields_[number]->primers.get(make));
-  if (const auto* const content = primers->find(page)) return *content;
-  const auto models = std::make_unique<FieldModels>(primers->models());
-  return read_field(number, page, tree, scale, *models);
+  return primers->page(
+      page, [&](FieldModels& models) { return read_field(number, page, tree, scale, models); });
 }
 
 Result<FieldContent> PageSource::read_field(std::size_t number, std::uint32_t page,
@@ -128,9 +125,8 @@ Result<std::vector<std::uint32_t>> PageSource::gradients(std::size_t field,
                                });
   };
   LODE_TRY(const auto* const primers, fields_[field]->gradients.get(make));
-  if (const auto* const codes = primers->find(page)) return *codes;
-  auto models = primers->models();
-  return read_gradients(field, page, models);
+  return primers->page(page,
+                       [&](GradientModels& models) { return read_gradients(field, page, models); });
 }
 
 Result<std::vector<std::uint32_t>> PageSource::read_gradients(std::size_t field, std::uint32_t page,

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <memory>
 #include <span>
 
 #include "lode/models/tetra_mt/base_blocks.h"
@@ -61,13 +60,6 @@ Result<PrimerBytes<Models>> primers_by(std::uint32_t n_pages, const Encode& enco
         return encode(page, models);
       });
 }
-template <typename Models, typename Encode>
-std::vector<std::byte> bytes_of(std::uint32_t page, const PrimerBytes<Models>& primers,
-                                const Encode& encode) {
-  if (const auto* const bytes = primers.find(page)) return *bytes;
-  const auto models = std::make_unique<Models>(primers.models());
-  return encode(page, *models);
-}
 
 /// Pages 0 to n_pages - 1; calls of `encode` by many threads at once.
 template <typename Models, typename Encode, typename Report>
@@ -81,7 +73,8 @@ Result<void> append_primed(std::uint32_t n_pages, Kind kind, std::uint32_t level
     const std::uint32_t n = std::min(kPagesAtOnce, n_pages - first);
     parallel_for(n, threads, 1, [&](std::size_t i, int) {
       const auto page = static_cast<std::uint32_t>(first + i);
-      blocks[i] = as_block(bytes_of(page, primers, encode));
+      blocks[i] =
+          as_block(primers.page(page, [&](Models& models) { return encode(page, models); }));
     });
     for (std::uint32_t i = 0; i < n; ++i)
       LODE_CHECK(writer.append(key_of(kind, first + i, level), blocks[i]));
