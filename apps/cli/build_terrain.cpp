@@ -143,9 +143,11 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   add_counts(info, model, json);
   json["memory_bytes"] = info.memory_bytes;
   for (const BuiltTerrainInfo::Part& part : info.parts)
-    json["parts"].push_back({{"name", part.name},
-                             {"memory_bytes", part.memory_bytes},
-                             {"file_bytes", part.file_bytes}});
+    json["parts"].push_back(
+        {{"name", part.name},
+         {"memory_bytes", part.memory_bytes},
+         // Of a file that is opened, and not of one that is being written.
+         {"file_bytes", part.file_bytes > 0 ? Json(part.file_bytes) : Json(nullptr)}});
   json["finest_error"] = info.max_error;
   json["error_kind"] = "at samples";
   table.add({"range", format_heights(info.range.lower, info.range.upper)});

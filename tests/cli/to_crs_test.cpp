@@ -335,7 +335,8 @@ TEST_F(cli_to_crs, height_refuses_places_of_no_crs_and_those_that_are_none) {
   };
   for (const char* crs : {"EPSG:5773", "EPSG:4326+5773", "EPSG:4978", "metres", "EPSG:5513"}) {
     const Finished run = with(crs);
-    EXPECT_EQ(run.exit_code, 1) << crs;
+    // The last one is a CRS, but its axes are not x and y, which the terrain's place shows.
+    EXPECT_EQ(run.exit_code, std::string(crs) == "EPSG:5513" ? 1 : 2) << crs;
     EXPECT_NE(run.err.find("--places-crs"), std::string::npos) << run.err;
   }
   EXPECT_EQ(with("EPSG:4326").exit_code, 0);

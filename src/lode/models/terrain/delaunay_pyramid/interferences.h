@@ -40,13 +40,15 @@ class Interferences {
         [&](std::uint32_t other) { links.items.push_back(number_of(other)); });
     std::sort(links.items.begin() + static_cast<std::ptrdiff_t>(links.first.back()),
               links.items.end());
-    n_bytes_ += (links.items.size() - links.first.back()) * sizeof(std::uint32_t);
+    n_links_ += links.items.size() - links.first.back();
+    n_bytes_ += (links.items.size() - links.first.back()) * sizeof(links.items[0]);
+    n_bytes_ += sizeof(links.first[0]);
     links.first.push_back(links.items.size());
     if (n_bytes_ > limit_.n_bytes)
       return fail(
-          "expected interference links of up to {} bytes, got more, {} of them so far: fewer "
-          "levels, or the lists without links, take less",
-          limit_.n_bytes, n_bytes_ / sizeof(std::uint32_t));
+          "expected interference links of up to {} bytes, got more, {} links so far: fewer levels, "
+          "or the lists without links, take less, and --memory-limit allows more",
+          limit_.n_bytes, n_links_);
     return {};
   }
 
@@ -55,6 +57,7 @@ class Interferences {
   Descent descent_;
   EncodingLimit limit_;
   std::uint64_t n_bytes_ = 0;
+  std::uint64_t n_links_ = 0;
 };
 
 /// Its place among ascending numbers.
