@@ -197,6 +197,16 @@ bool is_mirrored(const GdalPlaceMap& map, const HorizontalMetric& from,
   return x[0] * y[1] - x[1] * y[0] < 0;
 }
 
+/// `map`: from the terrain's CRS, which has the place, to that of the name.
+Result<void> check_axes(const GdalPlaceMap& map, const HorizontalMetric& from,
+                        const Vec<double, 2>& middle, const std::string& name) {
+  if (!is_mirrored(map, from, middle)) return {};
+  return fail(
+      "expected a CRS of x to the right and y up, got {}, whose axes come in another order: there "
+      "may be one that is the same but for that, as EPSG:5514 is for EPSG:5513",
+      name);
+}
+
 }  // namespace
 
 Result<void> check_target_crs(const std::string& target) try {
@@ -229,11 +239,7 @@ Result<TargetCrs> open_target_crs(const std::string& source, const std::string& 
     map->apply({&place, 1});
     if (std::isfinite(place[0])) map->set_near(place[0]);
   }
-  if (is_mirrored(*map, own, middle))
-    return fail(
-        "expected a CRS of x to the right and y up, got {}, whose axes come in another order: "
-        "there may be one that is the same but for that, as EPSG:5514 is for EPSG:5513",
-        made.name);
+  LODE_CHECK(check_axes(*map, own, middle, made.name));
   made.map = std::move(map);
   return made;
 } catch (const std::bad_alloc&) {
@@ -255,11 +261,7 @@ Result<SourceCrs> open_source_crs(const std::string& source, const std::string& 
   map->set_near(middle[0]);
   bool is_back_guess = false;
   LODE_TRY(const auto back, open_map(target, wkt, {}, is_back_guess));
-  if (is_mirrored(*back, to, middle))
-    return fail(
-        "expected a CRS of x to the right and y up, got {}, whose axes come in another order: "
-        "there may be one that is the same but for that, as EPSG:5514 is for EPSG:5513",
-        made.name);
+  LODE_CHECK(check_axes(*back, to, middle, made.name));
   made.map = std::move(map);
   return made;
 } catch (const std::bad_alloc&) {
