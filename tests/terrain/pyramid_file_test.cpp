@@ -200,6 +200,10 @@ TEST_F(pyramid_lies, of_the_metadata_are_named) {
   expect_of_all("level 3: expected triangles", [](Pyramid& p) { p.head.n_in_mesh[3] = 1 << 29; });
   expect_of_all("level 8: expected no links", [](Pyramid& p) { p.head.n_links[8] = 1; });
   expect(Encoding::lists, "level 3: expected no links", [](Pyramid& p) { p.head.n_links[3] = 1; });
+  expect(Encoding::complete, "level 2: expected up to",
+         [](Pyramid& p) { p.head.n_links[2] = ~0ULL; });
+  expect(Encoding::linked_lists, "level 2: expected up to",
+         [](Pyramid& p) { p.head.n_links[2] = std::uint64_t{1} << 50; });
   expect_of_all("an error up to", [](Pyramid& p) { p.head.facts[8].largest_error = 2.125; });
   expect_of_all("smallest angles", [](Pyramid& p) { p.head.facts[8].smallest_angle = 61; });
   expect_of_all("largest error is 1", [](Pyramid& p) { p.head.facts[8].largest_error = 1; });

@@ -1,5 +1,7 @@
 // L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for topographic surface
 // description", The Visual Computer 12 (1996), section 8: data structures for Delaunay pyramids.
+#include <utility>
+
 #include "lode/core/expects.h"
 #include "lode/models/terrain/delaunay_pyramid/pyramid.h"
 
@@ -35,13 +37,13 @@ PyramidHead head_of(const History& history, std::span<const double> tolerances, 
 }
 
 /// Without errors.
-std::vector<PyramidLevel> to_levels(const CompletePyramid& complete) {
+std::vector<PyramidLevel> to_levels(CompletePyramid complete) {
   std::vector<PyramidLevel> levels;
-  for (const CompletePyramid::Level& level : complete.levels()) {
+  for (CompletePyramid::Level& level : std::move(complete).take_levels()) {
     PyramidLevel& kept = levels.emplace_back();
-    kept.triangles = level.triangles;
-    kept.twins = level.twins;
-    kept.links = level.links;
+    kept.triangles = std::move(level.triangles);
+    kept.twins = std::move(level.twins);
+    kept.links = std::move(level.links);
     // The last level has none.
     if (kept.links.first.empty()) kept.links.first.assign(kept.triangles.size() + 1, 0);
   }
@@ -77,8 +79,8 @@ Result<Pyramid> encode(const History& history, std::span<const double> tolerance
   Pyramid pyramid;
   pyramid.head = head_of(history, tolerances, encoding, times);
   if (encoding == Encoding::complete) {
-    LODE_TRY(const auto complete, CompletePyramid::make(history, times, limit, progress));
-    pyramid.levels = to_levels(complete);
+    LODE_TRY(auto complete, CompletePyramid::make(history, times, limit, progress));
+    pyramid.levels = to_levels(std::move(complete));
   } else {
     const auto links = has_links(encoding) ? Interference::linked : Interference::left_out;
     LODE_TRY(const auto lists, TriangleLists::make(history, times, links, limit, progress));

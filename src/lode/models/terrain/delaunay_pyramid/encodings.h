@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lode/core/progress.h"
@@ -55,6 +56,8 @@ class CompletePyramid {
                                                     EncodingLimit limit, Progress& progress);
 
   [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
+  /// Gives them away.
+  [[nodiscard]] std::vector<Level> take_levels() && { return std::move(levels_); }
   [[nodiscard]] std::uint64_t n_links() const;
   [[nodiscard]] std::uint64_t n_bytes() const;
   /// Of the history it was made of. Without errors.

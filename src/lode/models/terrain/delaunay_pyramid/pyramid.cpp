@@ -29,7 +29,7 @@ PyramidBytes PyramidHead::bytes() const {
   const std::uint64_t n = n_all_kept();
   PyramidBytes bytes;
   bytes.vertices = vertices_until.back() * (sizeof(delaunay::LatticePoint) + sizeof(double)) +
-                   n_lines * 2 * sizeof(std::uint32_t);
+                   std::uint64_t{n_lines} * 2 * sizeof(std::uint32_t);
   bytes.triangles = n * (kCorners + sizeof(float) + (is_of_lists() ? sizeof(std::uint32_t) : 0));
   bytes.neighbours = is_of_lists() ? 0 : n * kCorners;
   if (has_links(encoding))

@@ -1,5 +1,6 @@
 #include "lode/models/terrain/delaunay_pyramid/pyramid_head.h"
 
+#include <algorithm>
 #include <string>
 
 #include "lode/models/terrain/delaunay_pyramid/file_layout.h"
@@ -43,11 +44,21 @@ Result<void> check_triangles(const std::string& path, const PyramidHead& head) {
 }
 
 Result<void> check_links(const std::string& path, const PyramidHead& head) {
+  // No file has more, and so many can be added up.
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
+  std::uint64_t n_all = 0;
   for (std::size_t level = 0; level < head.n_levels(); ++level) {
     const bool has_some = has_links(head.encoding) && level + 1 < head.n_levels();
     if (!has_some && head.n_links[level] != 0)
       return fail("{}: metadata: level {}: expected no links, got {}", path, level,
                   head.n_links[level]);
+    const std::uint64_t n_pairs = std::uint64_t{head.n_kept[level]} *
+                                  *std::max_element(head.n_in_mesh.begin(), head.n_in_mesh.end());
+    const std::uint64_t most = std::min(n_pairs, kMost - n_all);
+    if (head.n_links[level] > most)
+      return fail("{}: metadata: level {}: expected up to {} links of {} triangles, got {}", path,
+                  level, most, head.n_kept[level], head.n_links[level]);
+    n_all += head.n_links[level];
   }
   return {};
 }
