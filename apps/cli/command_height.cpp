@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -8,6 +7,7 @@
 #include "command.h"
 #include "outputs.h"
 #include "place_file.h"
+#include "places_crs.h"
 #include "stopwatch.h"
 #include "terrain_query.h"
 
@@ -37,10 +37,7 @@ Result<void> check_height(const HeightArguments& arguments) {
   if (auto places = typed_places(arguments); !places) return places.error();
   if (arguments.places.empty() && arguments.points_file.empty())
     return fail("{}: expected POINTS.csv or --at X,Y, got neither", arguments.terrain.input);
-  if (!arguments.places_crs.empty()) {
-    const Result<void> status = check_target_crs(arguments.places_crs);
-    if (!status) return fail("--places-crs: {}", status.error().message);
-  }
+  LODE_CHECK(check_places_crs(arguments.places_crs));
   std::vector<std::string> inputs{arguments.terrain.input};
   if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
   if (arguments.output.empty()) return {};
@@ -142,36 +139,6 @@ Outcome outcome_of(const HeightAnswer& answer, Session& session) {
   return outcome;
 }
 
-Result<std::optional<SourceCrs>> open_places_crs(const HeightArguments& arguments,
-                                                 const HeightFrame& frame, Session& session) {
-  if (arguments.places_crs.empty()) return std::optional<SourceCrs>();
-  const Place middle = frame.world((frame.n_columns - 1) / 2.0, (frame.n_rows - 1) / 2.0);
-  auto source = open_source_crs(arguments.places_crs, frame.crs, middle);
-  if (!source) return fail("{}: --places-crs: {}", arguments.terrain.input, source.error().message);
-  if (source->is_guess)
-    session.warn(fmt::format(
-        "--places-crs: PROJ knows no way between the datums of {} and of the terrain, with the "
-        "grids that are there, and takes one for the other: places may be off by hundreds of "
-        "metres",
-        source->name));
-  return std::optional(*std::move(source));
-}
-
-/// Those of the terrain's CRS.
-Result<std::vector<Place>> asked_places(const std::vector<Place>& given,
-                                        const std::optional<SourceCrs>& source) {
-  std::vector<Place> asked = given;
-  if (!source) return asked;
-  source->map->apply(asked);
-  for (std::size_t i = 0; i < asked.size(); ++i)
-    if (std::isnan(asked[i][0]))
-      return fail(
-          "--places-crs: place {}: expected one that the CRS of the terrain has, got {:.12g}, "
-          "{:.12g} of {}",
-          i + 1, given[i][0], given[i][1], source->name);
-  return asked;
-}
-
 Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
   LODE_TRY(std::vector<Place> places, typed_places(arguments));
   if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
@@ -181,8 +148,9 @@ Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
   }
   LODE_TRY(const TerrainAnswerer answerer,
            answer_terrain(arguments.terrain, session, {}, TinUse::places));
-  LODE_TRY(const auto source, open_places_crs(arguments, answerer.opened.facts.frame, session));
-  LODE_TRY(const std::vector<Place> asked, asked_places(places, source));
+  LODE_TRY(const auto source, open_places_crs(arguments.places_crs, arguments.terrain.input,
+                                              answerer.opened.facts.frame, session));
+  LODE_TRY(const std::vector<Place> asked, places_of_terrain(places, source));
   std::vector<TerrainHeight> heights;
   LODE_TRY(const HeightsReport report,
            answerer.tin.heights(asked, heights, session.threads(), session.progress()));
@@ -223,9 +191,7 @@ Command add_height_command(CLI::App& program) {
   app->add_option("--at", arguments->places, "A place; may be repeated")
       ->type_name("X,Y")
       ->allow_extra_args(false);
-  app->add_option("--places-crs", arguments->places_crs,
-                  "CRS of the places, x east or longitude first (default: that of the terrain)")
-      ->type_name("EPSG:N|WKT");
+  add_places_crs(*app, arguments->places_crs, "the places");
   app->add_option("-o,--output,--out", arguments->output, "Write x,y,height,bound,bound_kind")
       ->type_name("OUT.csv");
   return {app, [arguments] { return check_height(*arguments); },

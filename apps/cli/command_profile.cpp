@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "outputs.h"
+#include "places_crs.h"
 #include "terrain_query.h"
 
 namespace lode::cli {
@@ -14,6 +15,7 @@ struct ProfileArguments {
   TerrainQueryArguments terrain;
   std::string from;
   std::string to;
+  std::string places_crs;
   std::string output;
 };
 
@@ -21,6 +23,7 @@ Result<void> check_profile(const ProfileArguments& arguments) {
   LODE_CHECK(check_terrain_query(arguments.terrain,
                                  "profiles of meshes of cells are made by lode probe --line"));
   LODE_CHECK(check_segment(arguments.from, arguments.to));
+  LODE_CHECK(check_places_crs(arguments.places_crs));
   if (arguments.output.empty()) return {};
   LODE_CHECK(check_extension(arguments.output, ".csv"));
   return check_paths_differ({arguments.terrain.input}, {arguments.output});
@@ -115,9 +118,13 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   LODE_TRY(const Place to, parse_place("--to", arguments.to));
   if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
   TerrainQueryArguments terrain = arguments.terrain;
-  terrain.way = {from[0], to[0]};
+  terrain.way = {from, to};
+  terrain.way_crs = arguments.places_crs;
   LODE_TRY(const TerrainAnswerer answerer, answer_terrain(terrain, session, {}, TinUse::places));
-  const TerrainWay way = way_on(answerer.opened, answerer.metric, from, to);
+  LODE_TRY(const auto source, open_places_crs(arguments.places_crs, arguments.terrain.input,
+                                              answerer.opened.facts.frame, session));
+  LODE_TRY(const TerrainWay way,
+           way_on(answerer.opened, answerer.metric, source, {.from = from, .to = to}));
   LODE_TRY(const TerrainProfile profile,
            naming(arguments.terrain.input,
                   answerer.tin.profile(way.from, way.to, session.progress()), session));
@@ -125,7 +132,9 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   if (profile.points.empty()) session.warn("the segment meets no terrain");
   if (!arguments.output.empty())
     LODE_CHECK(write_text(arguments.output, profile_csv(profile), session.progress()));
-  return outcome_of(arguments, answerer, profile, session);
+  Outcome outcome = outcome_of(arguments, answerer, profile, session);
+  outcome.json["places_crs"] = source ? Json(source->name) : Json(nullptr);
+  return outcome;
 }
 
 }  // namespace
@@ -137,7 +146,7 @@ Command add_profile_command(CLI::App& program) {
   app->footer(
       "A row for each edge or vertex of the TIN within --max-error that the segment meets, and\n"
       "for its ends: in between heights are linear. Between parts there is no terrain. The\n"
-      "segment is straight in the raster's coordinates; distances along it are in the plane of a\n"
+      "segment is straight in the raster's coordinates, which rows have; distances along it are in the plane of a\n"
       "projected CRS, and on the ellipsoid where coordinates are longitudes and latitudes, or\n"
       "those of --to-crs. `bound` holds at samples: none in the triangles beside is farther from\n"
       "them. Of surface quadtrees and\n"
@@ -147,11 +156,13 @@ Command add_profile_command(CLI::App& program) {
       "between rows.\n\n"
       "Examples:\n  lode profile dem.tif --from 500000,4000000 --to 520000,4010000 --max-error 1\n"
       "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --out profile.csv\n"
-      "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --to-crs EPSG:32632");
+      "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --to-crs EPSG:32632\n"
+      "  lode profile utm.tif --from 8.1,46.5 --to 8.2,46.6 --places-crs EPSG:4326");
   add_terrain_query(*app, arguments->terrain);
   add_distance_crs(*app, arguments->terrain);
   add_everywhere(*app, arguments->terrain);
   add_segment(*app, arguments->from, arguments->to);
+  add_places_crs(*app, arguments->places_crs, "--from and --to");
   app->add_option("-o,--output,--out", arguments->output, "Write part,distance,x,y,height,bound")
       ->type_name("OUT.csv");
   return {app, [arguments] { return check_profile(*arguments); },

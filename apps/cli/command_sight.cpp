@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "parse.h"
+#include "places_crs.h"
 #include "terrain_facts.h"
 #include "terrain_query.h"
 
@@ -14,6 +15,7 @@ struct SightArguments {
   TerrainQueryArguments terrain;
   std::string from;
   std::string to;
+  std::string places_crs;
   std::string observer_height = "1.8";
   std::string target_height = "0";
   std::string refraction = "0.13";
@@ -48,7 +50,7 @@ Result<TerrainSightOptions> to_sight_options(const SightArguments& arguments) {
 Result<void> check_sight(const SightArguments& arguments) {
   LODE_CHECK(check_terrain_query(arguments.terrain, ""));
   if (auto options = to_sight_options(arguments); !options) return options.error();
-  return {};
+  return check_places_crs(arguments.places_crs);
 }
 
 const char* verdict_name(SightVerdict verdict) {
@@ -120,9 +122,13 @@ void warn_of(const TerrainSight& sight, const HorizontalMetric& metric, Session&
 Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   LODE_TRY(TerrainSightOptions options, to_sight_options(arguments));
   TerrainQueryArguments terrain = arguments.terrain;
-  terrain.way = {options.from[0], options.to[0]};
+  terrain.way = {options.from, options.to};
+  terrain.way_crs = arguments.places_crs;
   LODE_TRY(const TerrainInput input, read_terrain(terrain, session));
-  const TerrainWay way = way_on(input.opened, input.metric, options.from, options.to);
+  LODE_TRY(const auto source, open_places_crs(arguments.places_crs, arguments.terrain.input,
+                                              input.opened.facts.frame, session));
+  LODE_TRY(const TerrainWay way, way_on(input.opened, input.metric, source,
+                                        {.from = options.from, .to = options.to}));
   options.from = way.from;
   options.to = way.to;
   LODE_CHECK(check_upwards(input.opened.facts.frame, arguments.terrain.input));
@@ -142,6 +148,7 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   add_facts(input.opened.facts, json, table);
   json["model"] = name_of(input.opened.model);
   add_metric(input.metric, json, input.target);
+  json["places_crs"] = source ? Json(source->name) : Json(nullptr);
   json["observer_height"] = options.observer_height;
   json["target_height"] = options.target_height;
   json["refraction"] = options.refraction;
@@ -186,6 +193,7 @@ Command add_sight_command(CLI::App& program) {
   add_terrain_query(*app, arguments->terrain);
   add_distance_crs(*app, arguments->terrain);
   add_segment(*app, arguments->from, arguments->to);
+  add_places_crs(*app, arguments->places_crs, "--from and --to");
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     app->add_option(name, value, help)->type_name(type);
   };

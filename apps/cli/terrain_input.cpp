@@ -214,6 +214,7 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
   options.keeps_samples = question.keeps_samples;
   options.is_closed = question.is_closed;
   options.way = question.way;
+  options.way_crs = question.way_crs;
   if (max_error && !options.drape_error)
     (question.has_shares ? options.drape_share : options.drape_error) = *max_error / 2;
   if (is_polygon_path(arguments.outline)) {

@@ -25,7 +25,8 @@ namespace lode::cli {
 struct TerrainQuestion {
   bool keeps_samples = false;
   bool is_closed = false;
-  std::optional<std::array<double, 2>> way{};
+  std::optional<std::array<Place, 2>> way{};
+  std::string way_crs{};
   bool has_shares = false;  ///< max_error, and levels that are built, are of the range of heights.
 };
 

@@ -80,6 +80,7 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
                         {.keeps_samples = arguments.is_everywhere || arguments.may_be_everywhere,
                          .is_closed = arguments.is_closed,
                          .way = arguments.way,
+                         .way_crs = arguments.way_crs,
                          .has_shares = is_share(arguments.max_error)}));
   set_share(arguments.max_error, opened.terrain.range(), options.max_error);
   if (arguments.is_everywhere && !opened.samples)
@@ -126,15 +127,6 @@ void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& pa
   session.warn(fmt::format(
       "{}: heights are taken for metres, as the file {}", path,
       frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
-}
-
-TerrainWay way_on(const OpenedTerrain& opened, const HorizontalMetric& metric, const Place& from,
-                  const Place& to) {
-  if (opened.is_closed) return {from, nearest_turn(metric, from, to)};
-  const double middle = (from[0] + to[0]) / 2;
-  const double shift = turns_towards(metric, middle_x(opened.facts.frame), middle);
-  const Place turned{{shift, 0}};
-  return {from + turned, to + turned};
 }
 
 void warn_of_long_way(const HorizontalMetric& metric, const HeightFrame& frame, const Place& from,

@@ -18,7 +18,8 @@ struct TerrainQueryArguments {
   bool is_everywhere = false;      ///< Bounds are to hold between samples, too,
   bool may_be_everywhere = false;  ///< or where all heights are at hand.
   bool is_closed = false;          ///< Of TerrainReadOptions, and the next.
-  std::optional<std::array<double, 2>> way{};
+  std::optional<std::array<Place, 2>> way{};
+  std::string way_crs{};
   TerrainArguments terrain;
 };
 
@@ -69,15 +70,6 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 /// Warns that heights are taken for metres, where their unit is not known.
 void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
                   Session& session);
-
-/// The ends of a way: where the terrain goes round the earth without a gap, on the shorter way,
-/// else as many whole turns on or back as bring its middle near to the terrain.
-struct TerrainWay {
-  Place from;
-  Place to;
-};
-[[nodiscard]] TerrainWay way_on(const OpenedTerrain& opened, const HorizontalMetric& metric,
-                                const Place& from, const Place& to);
 
 /// Warns of a way that is straight in the coordinates and goes the long way round the earth, on a
 /// raster that has all of it.

@@ -1,4 +1,5 @@
 // lode sight: whether two places of a terrain see each other.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -245,6 +246,26 @@ TEST_F(cli_terrain_sight, goes_the_short_way_round_the_earth_and_warns_where_it_
                         .json();
   EXPECT_EQ(seam.at("outside"), 0);
   EXPECT_EQ(seam.at("points")[0].at("height"), seam.at("points")[1].at("height"));
+}
+
+TEST_F(cli_terrain_sight, goes_the_short_way_between_places_of_another_crs) {
+  write_globe(scratch_ / "globe.asc", 36);
+  const auto profile = [&](const Words& more) {
+    Words words{"profile", scratch_ / "globe.asc", "--max-error", "0", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words).json();
+  };
+  // Mercator about 150 degrees east: 20 degrees on either side of 180 are 10 and 50 from there.
+  const double degree = 6378137 * M_PI / 180;
+  const auto own = profile({"--from", "160,0", "--to", "-160,0"});
+  const auto there = profile({"--from", fmt::format("{},0", 10 * degree), "--to",
+                              fmt::format("{},0", 50 * degree), "--places-crs", "EPSG:3832"});
+  EXPECT_NEAR(own.at("length").get<double>(), 40 * degree, 1);
+  EXPECT_NEAR(there.at("length").get<double>(), 40 * degree, 1);
+  ASSERT_EQ(there.at("points").size(), own.at("points").size());
+  for (std::size_t i = 0; i < own.at("points").size(); ++i)
+    EXPECT_NEAR(there.at("points")[i].at("height").get<double>(),
+                own.at("points")[i].at("height").get<double>(), 1e-6);
 }
 
 TEST_F(cli_terrain_sight, leaves_gaps_undecided_and_warns_of_units) {

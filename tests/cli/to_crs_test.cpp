@@ -355,5 +355,36 @@ TEST_F(cli_to_crs, height_refuses_places_of_no_crs_and_those_that_are_none) {
   EXPECT_NE(plain.err.find("expected terrain whose CRS is known"), std::string::npos) << plain.err;
 }
 
+/// Ends of ways likewise, of profiles and lines of sight.
+TEST_F(cli_to_crs, ways_may_be_typed_in_another_crs) {
+  const auto text = [](const std::array<double, 2>& place) {
+    return fmt::format("{:.17g},{:.17g}", place[0], place[1]);
+  };
+  const std::string from = text(mapped_by_gdal(32632, 10.1, 45.2));
+  const std::string to = text(mapped_by_gdal(32632, 10.8, 45.7));
+  for (const char* command : {"profile", "sight"}) {
+    const Words ends{command, dem_, "--max-error", "50", "--json", "--from"};
+    const auto with = [&](Words more) {
+      Words words = ends;
+      words.insert(words.end(), more.begin(), more.end());
+      return run_lode(words);
+    };
+    const auto own = with({"10.1,45.2", "--to", "10.8,45.7"}).json();
+    const auto json = with({from, "--to", to, "--places-crs", "EPSG:32632"}).json();
+    EXPECT_EQ(own.at("places_crs"), nullptr);
+    EXPECT_EQ(json.at("places_crs"), "WGS 84 / UTM zone 32N");
+    const char* length = std::string(command) == "profile" ? "length" : "distance";
+    EXPECT_NEAR(json.at(length).get<double>(), own.at(length).get<double>(), 0.01);
+    EXPECT_GT(own.at(length).get<double>(), 7e4);
+    if (std::string(command) == "sight") EXPECT_EQ(json.at("verdict"), own.at("verdict"));
+    const Finished none = with({from, "--to", "1e9,1e9", "--places-crs", "EPSG:32632"});
+    EXPECT_EQ(none.exit_code, 1);
+    EXPECT_NE(none.err.find("--to: expected one that the CRS of the terrain has"),
+              std::string::npos)
+        << none.err;
+    EXPECT_EQ(with({from, "--to", to, "--places-crs", "EPSG:5773"}).exit_code, 2);
+  }
+}
+
 }  // namespace
 }  // namespace lode::test

@@ -157,7 +157,7 @@ Answers ask(const Terrain& terrain, double max_error, TinUse use) {
   const auto profile = tin->profile({{1, 2.5}}, {{55.25, 40}}, progress);
   EXPECT_TRUE(profile);
   answers.profile = *profile;
-  const auto sight = tin->sight({.from = {{2, 3}}, .to = {{50, 30}}});
+  const auto sight = tin->sight({.from = {{2, 3}}, .to = {{50, 30}}}, progress);
   EXPECT_TRUE(sight) << sight.error().message;
   answers.sight = *sight;
   return answers;

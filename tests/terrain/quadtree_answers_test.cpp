@@ -325,8 +325,8 @@ TEST_P(quadtree_answers, never_see_what_full_resolution_does_not) {
                                       .to = random_place(random),
                                       .observer_height = random.uniform(0, 60),
                                       .target_height = random.uniform(0, 60)};
-    const auto coarse = tin.sight(options);
-    const auto fine = full->sight(options);
+    const auto coarse = tin.sight(options, progress);
+    const auto fine = full->sight(options, progress);
     ASSERT_EQ(coarse.has_value(), fine.has_value());
     if (!coarse) continue;
     if (coarse->verdict == SightVerdict::undecided) {
@@ -414,8 +414,8 @@ TEST(quadtree_answers_real, hold_on_st_helens) {
       const Place to = from * 0.8 + places[random.below(places.size())] * 0.2;
       const TerrainSightOptions options{
           .from = from, .to = to, .observer_height = 30, .target_height = 30};
-      const auto coarse = tin->sight(options);
-      const auto fine = full->sight(options);
+      const auto coarse = tin->sight(options, progress);
+      const auto fine = full->sight(options, progress);
       ASSERT_EQ(coarse.has_value(), fine.has_value());
       if (coarse && coarse->verdict != SightVerdict::undecided)
         EXPECT_EQ(coarse->verdict, fine->verdict);

@@ -135,9 +135,9 @@ TEST_P(terrain_answers, see_the_same_at_every_tolerance_that_decides) {
     const Place to = from * 0.9 + random_place(random) * 0.1;
     const TerrainSightOptions options{
         .from = from, .to = to, .observer_height = 10, .target_height = 10};
-    const auto coarse = tin_->sight(options);
+    const auto coarse = tin_->sight(options, progress);
     if (!coarse) continue;  // In a gap.
-    const auto fine = full->sight(options);
+    const auto fine = full->sight(options, progress);
     ASSERT_TRUE(fine);
     EXPECT_TRUE(fine->verdict != SightVerdict::undecided || fine->has_gap);
     n_decided += static_cast<int>(coarse->verdict != SightVerdict::undecided);

@@ -213,6 +213,18 @@ Error not_round(const HeightGrid& grid, const HorizontalMetric& metric) {
       got);
 }
 
+/// The ends of the options' way, in the raster's CRS.
+Result<std::array<Vec<double, 2>, 2>> way_of(const TerrainReadOptions& options,
+                                             const HeightGrid& grid) {
+  std::array<Vec<double, 2>, 2> way = *options.way;
+  if (options.way_crs.empty()) return way;
+  LODE_TRY(const io::SourceCrs source,
+           io::open_source_crs(options.way_crs, grid.crs,
+                               grid.world((grid.n_columns - 1) / 2.0, (grid.n_rows - 1) / 2.0)));
+  source.map->apply(way);
+  return way;
+}
+
 /// As the options say; whether it was. `goes_round`: whether it could be.
 Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid, bool& goes_round) {
   if (options.is_wrapped && options.has_lines())
@@ -228,10 +240,9 @@ Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid, bo
   if (!n_turn || !is_wanted || options.has_lines()) return false;
   double at = grid.to_world[0];
   if (options.way) {
-    const auto& [begin, end] = *options.way;
-    if (!is_longitude(metric, begin) || !is_longitude(metric, end)) return false;
-    const Vec<double, 2> from{{begin, 0}};
-    at = std::min(from[0], nearest_turn(metric, from, {{end, 0}})[0]);
+    LODE_TRY(const auto way, way_of(options, grid));
+    if (!is_longitude(metric, way[0][0]) || !is_longitude(metric, way[1][0])) return false;
+    at = std::min(way[0][0], nearest_turn(metric, way[0], way[1])[0]);
   }
   grid = cut_open_at(grid, *n_turn, at);
   return true;

@@ -73,9 +73,9 @@ struct TerrainReadOptions {
   bool is_closed = false;
   /// the same where it is asked for: rasters that do not go round, and lines, are refused;
   bool is_wrapped = false;
-  /// and begins at the western one of these longitudes, the ends of a way, which is the shorter one
-  /// round the earth.
-  std::optional<std::array<double, 2>> way{};
+  /// and begins at the western end of this way, which is the shorter one round the earth.
+  std::optional<std::array<Vec<double, 2>, 2>> way{};
+  std::string way_crs{};  ///< EPSG:N or WKT, of the way's ends; empty: that of the raster.
 
   [[nodiscard]] bool has_lines() const {
     return least_relief || keeps_features || !breaklines.empty();

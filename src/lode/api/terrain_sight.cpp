@@ -29,11 +29,10 @@ class SightWay {
   SightWay(const TerrainTin::Impl& tin, const TerrainSightOptions& options, double vertical)
       : tin_(tin), options_(options), vertical_(vertical), last_(options.from) {}
 
-  Result<void> follow() {
+  Result<void> follow(Progress& progress) {
     const Place a = tin_.to_lattice(options_.from);
     const Place b = tin_.to_lattice(options_.to);
     if (a == b) return fail("expected two places that differ by more than rounding, got one");
-    Progress progress;
     LODE_TRY(const std::vector<ProfilePoint> profile, tin_.profile(a, b, progress));
     if (profile.empty() || profile.front().t > 0) return off_terrain("observer", options_.from);
     if (profile.back().t < 1) return off_terrain("target", options_.to);
@@ -94,7 +93,8 @@ class SightWay {
 
 }  // namespace
 
-Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const try {
+Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options,
+                                      Progress& progress) const try {
   TerrainSight sight;
   const Place& from = options.from;
   const Place& to = options.to;
@@ -109,7 +109,7 @@ Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const
   const Ellipsoid earth = measured ? *measured : impl_->metric.ellipsoid.value_or(kWgs84Ellipsoid);
   sight.radius = earth.mean_radius();
   SightWay way(*impl_, options, sight.vertical_metres);
-  LODE_CHECK(way.follow());
+  LODE_CHECK(way.follow(progress));
   const SightAnswer answer =
       find_sight(way.points(), {.observer_height = options.observer_height * sight.vertical_metres,
                                 .target_height = options.target_height * sight.vertical_metres,
@@ -142,7 +142,7 @@ Result<TerrainSight> find_terrain_sight(const Terrain& terrain, const TerrainOpt
   for (std::uint32_t round = 1;; ++round) {
     LODE_TRY(const TerrainTin tin,
              TerrainTin::select(asked, wanted, metric, progress, TinUse::places));
-    LODE_TRY(TerrainSight sight, tin.sight(options));
+    LODE_TRY(TerrainSight sight, tin.sight(options, progress));
     sight.n_rounds = round;
     sight.terrain = tin.report();
     sight.seconds = watch.seconds();

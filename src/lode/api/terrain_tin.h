@@ -129,7 +129,8 @@ class TerrainTin {
                                            Progress& progress) const;
 
   /// See find_terrain_sight(): at this tolerance.
-  [[nodiscard]] Result<TerrainSight> sight(const TerrainSightOptions& options) const;
+  [[nodiscard]] Result<TerrainSight> sight(const TerrainSightOptions& options,
+                                           Progress& progress) const;
 
   /// Of its vertices.
   [[nodiscard]] HeightRange height_range() const;

@@ -1,7 +1,6 @@
 #include "lode/models/tetra_mt/node_page.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <functional>
 #include <span>
@@ -23,19 +22,6 @@ std::uint32_t read_count(BitReader& bits) {
   return n < kLongCount ? n : bits.read(kLongCountBits);
 }
 
-/// Appends numbers as the words of floats or doubles.
-void add_words(std::span<const double> numbers, bool is_narrow, std::vector<std::uint32_t>& words) {
-  for (const double number : numbers) {
-    if (is_narrow) {
-      words.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(number)));
-      continue;
-    }
-    std::array<std::uint32_t, 2> two{};
-    std::memcpy(two.data(), &number, sizeof number);
-    words.insert(words.end(), two.begin(), two.end());
-  }
-}
-
 }  // namespace
 
 class NodePage::Packer {
@@ -47,8 +33,14 @@ class NodePage::Packer {
     list_pages();
     list_masks();
     BitWriter bits;
+    const auto n = static_cast<std::uint32_t>(content_.n_nodes());
+    const auto position = [&](std::uint32_t i, std::size_t k) {
+      return content_.positions[i].v[k];
+    };
+    page_.positions_ = PackedNumbers<3>(n, shape_.has_narrow_positions, position);
+    page_.positions_.write(n, position, bits);
     BitWriter node;
-    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
+    for (std::uint32_t i = 0; i < n; ++i) {
       const std::size_t begin = bits.align();
       if (i % kGroup == 0) page_.begins_.push_back(static_cast<std::uint32_t>(begin));
       write_node(i, node);
@@ -98,16 +90,13 @@ class NodePage::Packer {
   }
   void list_masks() {
     if (shape_.n_regions <= 1 || content_.region_masks.empty()) return;
-    masks_ = content_.region_masks;
-    std::ranges::sort(masks_);
-    masks_.erase(std::unique(masks_.begin(), masks_.end()), masks_.end());
-    page_.has_masks_ = true;
-    if (masks_.size() > 1)
-      page_.n_mask_bits_ = static_cast<std::uint8_t>(bits_for(masks_.size() - 1));
-    const std::size_t n = page_.words_.size();
-    page_.words_.resize(n + 2 * masks_.size());
-    for (std::size_t i = 0; i < masks_.size(); ++i)
-      std::memcpy(&page_.words_[page_.words_.size() - 2 * (i + 1)], &masks_[i], sizeof masks_[i]);
+    std::vector<std::uint64_t>& masks = page_.masks_;
+    masks = content_.region_masks;
+    std::ranges::sort(masks);
+    masks.erase(std::unique(masks.begin(), masks.end()), masks.end());
+    masks.shrink_to_fit();
+    if (masks.size() > 1)
+      page_.n_mask_bits_ = static_cast<std::uint8_t>(bits_for(masks.size() - 1));
   }
   void write_vertex(std::uint32_t vertex, BitWriter& bits) const {
     const std::uint32_t begin = begin_of(vertex);
@@ -124,8 +113,8 @@ class NodePage::Packer {
   void write_node(std::uint32_t i, BitWriter& bits) const {
     bits.write(content_.boxes[i], BoxCodes::kBits);
     if (page_.n_mask_bits_ > 0) {
-      const auto place = std::ranges::lower_bound(masks_, content_.region_masks[i]);
-      bits.write(static_cast<std::uint32_t>(place - masks_.begin()), page_.n_mask_bits_);
+      const auto place = std::ranges::lower_bound(page_.masks_, content_.region_masks[i]);
+      bits.write(static_cast<std::uint32_t>(place - page_.masks_.begin()), page_.n_mask_bits_);
     }
     const auto children = content_.children[i];
     const auto parents = content_.parents[i];
@@ -152,18 +141,14 @@ class NodePage::Packer {
   NodePage& page_;
   const PageContent& content_;
   const PageShape& shape_;
-  std::vector<Numbered> places_;      ///< In pages_, ascending by where they begin.
-  std::vector<std::uint64_t> masks_;  ///< That differ, ascending.
+  std::vector<Numbered> places_;  ///< In pages_, ascending by where they begin.
 };
 
 NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageShape& shape)
     : own_(shape.n_base_vertices + number * kPageNodes),
       first_(shape.n_base_vertices),
-      has_narrow_positions_(shape.has_narrow_positions),
       n_region_bits_(shape.n_labels > 1 ? bits_for(shape.n_labels - 1) : 0) {
-  for (const Vec3d& p : content.positions) add_words(p.v, has_narrow_positions_, words_);
   Packer(*this, content, shape).run();
-  words_.shrink_to_fit();
   begins_.shrink_to_fit();
   lengths_.shrink_to_fit();
   pages_.shrink_to_fit();
@@ -189,7 +174,7 @@ void NodePage::Links::start_makers() {
 
 std::size_t NodePage::n_bytes() const {
   const auto bytes = [](const auto& items) { return items.capacity() * sizeof(items[0]); };
-  return sizeof *this + bytes(words_) + bytes(bits_) + bytes(begins_) + bytes(lengths_) +
+  return sizeof *this + bytes(masks_) + bytes(bits_) + bytes(begins_) + bytes(lengths_) +
          bytes(pages_);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lode/models/tetra_mt/bit_stream.h"
+#include "lode/models/tetra_mt/packed_numbers.h"
 #include "lode/models/tetra_mt/page_content.h"
 #include "lode/refine/model.h"
 
@@ -53,27 +54,18 @@ class NodePage {
   /// `content` is as PageContent says: sorted, with numbers that `shape` has.
   NodePage(const PageContent& content, std::uint32_t number, const PageShape& shape);
 
-  [[nodiscard]] Vec3d position(std::uint32_t i) const {
-    const std::size_t at = std::size_t{3} * i;
-    if (has_narrow_positions_) return {{narrow(at), narrow(at + 1), narrow(at + 2)}};
-    return {{wide(2 * at), wide(2 * at + 2), wide(2 * at + 4)}};
-  }
+  [[nodiscard]] Vec3d position(std::uint32_t i) const { return {positions_.read(bits_.data(), i)}; }
   [[nodiscard]] std::uint32_t box(std::uint32_t i) const {
     return BitReader(bits_.data(), begin_of(i)).read(BoxCodes::kBits);
   }
 
   /// PageContent's; kAllRegions where there are none.
   [[nodiscard]] std::uint64_t region_mask(std::uint32_t i) const {
-    if (!has_masks_) return kAllRegions;
-    std::size_t place = 0;
-    if (n_mask_bits_ > 0) {
-      BitReader bits(bits_.data(), begin_of(i));
-      bits.skip(BoxCodes::kBits);
-      place = bits.read(n_mask_bits_);
-    }
-    std::uint64_t mask = 0;
-    std::memcpy(&mask, &words_[words_.size() - 2 * (place + 1)], sizeof mask);
-    return mask;
+    if (masks_.empty()) return kAllRegions;
+    if (n_mask_bits_ == 0) return masks_[0];
+    BitReader bits(bits_.data(), begin_of(i));
+    bits.skip(BoxCodes::kBits);
+    return masks_[bits.read(n_mask_bits_)];
   }
 
   /// Reads the links of a node, in this order.
@@ -137,14 +129,6 @@ class NodePage {
   static constexpr int kLengthBits = 16;       ///< Then of what this takes, before it.
   static constexpr int kFewBits = 3;           ///< For the pages with most links.
 
-  [[nodiscard]] double narrow(std::size_t at) const {
-    return static_cast<double>(std::bit_cast<float>(words_[at]));
-  }
-  [[nodiscard]] double wide(std::size_t at) const {
-    double number = 0;
-    std::memcpy(&number, &words_[at], sizeof number);
-    return number;
-  }
   /// Where a node's box and links begin in bits_, in bytes.
   [[nodiscard]] std::size_t begin_of(std::uint32_t i) const {
     const std::uint32_t first = i / kGroup * kGroup;
@@ -203,17 +187,16 @@ class NodePage {
     bits.skip(form.n_kind_bits + form.n_page_bits + kPageBits);
   }
 
-  std::vector<std::uint32_t> words_;  ///< Of positions; last of masks that differ, from behind.
-  std::vector<std::uint8_t> bits_;    ///< Of boxes and links.
+  PackedNumbers<3> positions_;
+  std::vector<std::uint64_t> masks_;  ///< That differ, ascending.
+  std::vector<std::uint8_t> bits_;    ///< Of positions, then of boxes and links.
   std::vector<std::uint32_t> begins_;
   std::vector<std::uint8_t> lengths_;  ///< Bytes of a node's box and links; whole groups.
   /// First vertices of other pages that links lead to, those with most links first.
   std::vector<std::uint32_t> pages_;
-  std::uint32_t own_;    ///< The page's first vertex.
-  std::uint32_t first_;  ///< The first vertex that is a node's.
-  bool has_narrow_positions_;
-  bool has_long_ = false;  ///< Lengths.
-  bool has_masks_ = false;
+  std::uint32_t own_;             ///< The page's first vertex.
+  std::uint32_t first_;           ///< The first vertex that is a node's.
+  bool has_long_ = false;         ///< Lengths.
   std::uint8_t n_mask_bits_ = 0;  ///< Of a mask's place, behind the box.
   int n_page_bits_ = 0;
   int n_region_bits_;  ///< 0 where there is one region and no patch.
