@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -97,6 +99,50 @@ TEST_F(cli_tiles, are_what_layer_json_says) {
   EXPECT_EQ(files.size(), n_tiles + 1);
   for (const auto& [name, bytes] : files) n_bytes -= name == "layer.json" ? 0 : bytes.size();
   EXPECT_EQ(n_bytes, 0);
+}
+
+/// As the format's document has headers and heights: no code of Lode's.
+struct TileHeader {
+  std::array<double, 3> centre{};
+  float lowest = 0;
+  float highest = 0;
+  std::array<double, 4> sphere{};
+  std::uint16_t top = 0;  ///< The largest number of a height.
+
+  explicit TileHeader(const std::string& bytes) {
+    std::memcpy(centre.data(), &bytes[0], 24);
+    std::memcpy(&lowest, &bytes[24], 4);
+    std::memcpy(&highest, &bytes[28], 4);
+    std::memcpy(sphere.data(), &bytes[32], 32);
+    std::uint32_t n = 0;
+    std::memcpy(&n, &bytes[88], 4);
+    std::uint16_t number = 0;
+    for (std::uint32_t v = 0; v < n; ++v) {
+      std::uint16_t code = 0;
+      std::memcpy(&code, &bytes[92 + 2 * (std::size_t{2} * n + v)], 2);
+      number = static_cast<std::uint16_t>(number + ((code >> 1) ^ -(code & 1)));
+      top = std::max(top, number);
+    }
+  }
+};
+
+/// Clients cull tiles, and choose levels, by what headers say.
+TEST_F(cli_tiles, have_headers_near_their_heights) {
+  ASSERT_EQ(cut().exit_code, 0);
+  int n_seen = 0;
+  for (const auto& [name, bytes] : files_in(folder_)) {
+    if (name == "layer.json") continue;
+    const TileHeader tile(bytes);
+    const double range = (tile.highest - tile.lowest) * (tile.top / 32767.0);
+    // Or as near as float32 has numbers: 24 bits, of which 15 are the tile's.
+    const double least = 32767 * 2 * (std::abs(tile.lowest) / 16744449 + 0x1p-30);
+    EXPECT_LE(tile.highest - tile.lowest, std::max(2 * range, least)) << name;
+    const double off = std::hypot(tile.centre[0] - tile.sphere[0], tile.centre[1] - tile.sphere[1],
+                                  tile.centre[2] - tile.sphere[2]);
+    EXPECT_LE(off, tile.sphere[3]) << name;
+    ++n_seen;
+  }
+  EXPECT_GT(n_seen, 10);
 }
 
 TEST_F(cli_tiles, are_verified_against_their_raster) {

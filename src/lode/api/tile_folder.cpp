@@ -23,18 +23,32 @@ using tile_pyramid::LevelReport;
 using tile_pyramid::TileRange;
 using Json = nlohmann::ordered_json;
 
+/// What a tile counts its heights in: the level's step, halved for as long as they fit. Clients
+/// cull and choose levels by the highest height that its header has, which is that many units up.
+double unit_of(double step, double lowest, double highest) {
+  constexpr double kMostNumber = 1 << 24;     // that float32 has with all below
+  constexpr double kLeast = 1.0 / (1 << 30);  // of steps
+  const auto fits = [&](double unit) {
+    return unit >= kLeast && (highest - lowest) / unit <= io::QuantizedMesh::kLast &&
+           std::abs(lowest) / unit + io::QuantizedMesh::kLast <= kMostNumber;
+  };
+  while (fits(step / 2)) step /= 2;
+  return step;
+}
+
 io::QuantizedMesh to_quantized(const FinishedTile& tile) {
   const double size = tile_pyramid::tile_size(tile.id.level);
-  const double step = tile.form.height_step;
   io::QuantizedMesh mesh{.west = west_of(tile.id), .south = south_of(tile.id)};
   mesh.east = mesh.west + size;
   mesh.north = mesh.south + size;
   const auto& vertices = tile.mesh.vertices;
-  mesh.lowest = std::ranges::min(vertices, {}, &tile_pyramid::TileVertex::height).height;
-  mesh.highest = mesh.lowest + io::QuantizedMesh::kLast * step;
+  const auto [low, high] = std::ranges::minmax(vertices, {}, &tile_pyramid::TileVertex::height);
+  const double unit = unit_of(tile.form.height_step, low.height, high.height);
+  mesh.lowest = low.height;
+  mesh.highest = low.height + io::QuantizedMesh::kLast * unit;
   for (const auto& vertex : vertices) {
     mesh.nodes.push_back(vertex.node);
-    mesh.heights.push_back(static_cast<std::uint16_t>((vertex.height - mesh.lowest) / step));
+    mesh.heights.push_back(static_cast<std::uint16_t>((vertex.height - mesh.lowest) / unit));
   }
   mesh.triangles = tile.mesh.triangles;
   return mesh;

@@ -208,7 +208,9 @@ std::vector<std::byte> encode(const QuantizedMesh& mesh) {
   ByteSink out;
   const double longitude = (mesh.west + mesh.east) / 2;
   const double latitude = (mesh.south + mesh.north) / 2;
-  out.add_place(to_earth(longitude, latitude, (mesh.lowest + mesh.highest) / 2));
+  const auto highest = std::ranges::max_element(mesh.heights) - mesh.heights.begin();
+  const double top = mesh.height(static_cast<std::size_t>(highest));
+  out.add_place(to_earth(longitude, latitude, (mesh.lowest + top) / 2));
   out.add(static_cast<float>(mesh.lowest));
   out.add(static_cast<float>(mesh.highest));
   out.add_place(sphere.centre);
