@@ -10,6 +10,7 @@
 #include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "to_crs.h"
 #include "tolerance.h"
 #include "verify_terrain.h"
 #include "verify_tetra.h"
@@ -288,6 +289,9 @@ Command add_verify_command(CLI::App& program) {
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::verification);
   add_resample_option(*app, arguments->terrain);
+  add_to_crs(*app, arguments->terrain,
+             "CRS that a surface of terrain was extracted to: its vertices must be where that has "
+             "samples, and its errors there are measured again");
   return {app, [arguments, app] { return check_verify(*arguments, *app); },
           [arguments](Session& session) { return run_verify(*arguments, session); }};
 }

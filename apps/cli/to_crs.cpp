@@ -42,6 +42,14 @@ Result<std::optional<TargetCrs>> open_to_crs(const std::string& path,
   return std::optional(*std::move(target));
 }
 
+Result<SourceCrs> open_from_crs(const std::string& path, const TerrainArguments& arguments,
+                                const HeightFrame& frame) {
+  const Place middle = frame.world((frame.n_columns - 1) / 2.0, (frame.n_rows - 1) / 2.0);
+  auto source = open_source_crs(arguments.to_crs, frame.crs, middle);
+  if (!source) return fail("{}: --to-crs: {}", path, source.error().message);
+  return *std::move(source);
+}
+
 Json mapped_json(const std::optional<MappedAnswer>& mapped,
                  const std::optional<double>& tolerance) {
   if (!mapped) return nullptr;

@@ -24,6 +24,11 @@ void add_to_crs(CLI::App& app, TerrainArguments& arguments, const char* help);
                                                            const HeightFrame& frame,
                                                            Session& session);
 
+/// The way back from it, which is asked for.
+[[nodiscard]] Result<SourceCrs> open_from_crs(const std::string& path,
+                                              const TerrainArguments& arguments,
+                                              const HeightFrame& frame);
+
 /// A mesh in another CRS, and how far samples are from it there.
 struct MappedAnswer {
   TargetCrs target;

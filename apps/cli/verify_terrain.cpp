@@ -1,6 +1,8 @@
 #include "verify_terrain.h"
 
+#include "lode/api/mapped_verification.h"
 #include "terrain_query.h"
+#include "to_crs.h"
 #include "tolerance.h"
 
 namespace lode::cli {
@@ -47,7 +49,8 @@ Result<TinShape> to_shape(const TerrainArguments& terrain) {
 /// A raster without its lines, but wrapped.
 Result<OpenedTerrain> open_raster(const std::string& path, const TerrainVerifyJob& job,
                                   Session& session) {
-  return open_terrain(path, job.terrain.without_lines(), job.reading, {}, {}, session);
+  return open_terrain(path, job.terrain.without_lines(), job.reading, {}, {}, session,
+                      {.keeps_samples = !job.terrain.to_crs.empty()});
 }
 
 /// Against the raster or points that it was built of.
@@ -91,21 +94,23 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
   return report;
 }
 
-/// Of scattered points, or with lines.
-Result<VerifyReport> verify_points(const TerrainVerifyJob& job, std::optional<double> max_error,
-                                   Session& session) {
-  LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.terrain, job.reading, {}, max_error, session,
-                        {.has_shares = is_share(job.max_error)}));
-  set_share(job.max_error, opened.terrain.range(), max_error);
+/// In the terrain's CRS, or in that of --to-crs.
+Result<VerifyReport> verify_surface(const TerrainVerifyJob& job, const OpenedTerrain& opened,
+                                    const TerrainVerifyOptions& wanted, Session& session) {
   LODE_TRY(const PlacedSurface placed, read_placed_surface(job.surface));
-  LODE_TRY(const TinShape shape, to_shape(job.terrain));
-  return verify_terrain(*opened.points, placed.surface,
-                        {.max_error = max_error.value_or(0),
-                         .shape = shape,
-                         .threads = session.threads(),
-                         .places = placed.places},
-                        session.progress());
+  TerrainVerifyOptions options = wanted;
+  LODE_TRY(options.shape, to_shape(job.terrain));
+  options.threads = session.threads();
+  if (!job.terrain.to_crs.empty()) {
+    LODE_TRY(const auto target, open_to_crs(job.input, job.terrain, opened.facts.frame, session));
+    LODE_TRY(const auto source, open_from_crs(job.input, job.terrain, opened.facts.frame));
+    return verify_mapped_terrain(opened, placed, options,
+                                 {.there = *target->map, .back = *source.map, .name = target->name},
+                                 session.progress());
+  }
+  options.places = placed.places;
+  return opened.points ? verify_terrain(*opened.points, placed.surface, options, session.progress())
+                       : verify_terrain(*opened.grid, placed.surface, options, session.progress());
 }
 
 }  // namespace
@@ -114,8 +119,10 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
   if (!job.terrain.resample.empty() || !job.terrain.oversample.empty())
     return fail("--resample: expected a folder of tiles with it, got {}", job.input);
   if (holds_terrain_model(job.input)) return check_model_verify(job, app);
-  LODE_CHECK(
-      check_only_terrain(app, job.input, {"--surface", "--max-error", "--model", "--insertion"}));
+  LODE_CHECK(check_only_terrain(
+      app, job.input, {"--surface", "--max-error", "--model", "--insertion", "--to-crs"}));
+  LODE_CHECK(check_to_crs(job.terrain));
+  LODE_CHECK(check_to_crs_output(job.terrain, job.surface));
   if (job.surface.empty())
     return fail("{}: expected --surface FILE to hold against this terrain, got none", job.input);
   LODE_CHECK(check_surface_path(job.surface));
@@ -136,19 +143,15 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
 Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& session) {
   if (holds_terrain_model(job.input)) return verify_model(job, session);
   LODE_TRY(std::optional<double> max_error, to_max_error(job.max_error));
-  if (is_point_path(job.input) || job.terrain.has_lines())
-    return verify_points(job, max_error, session);
-  LODE_TRY(const OpenedTerrain raster, open_raster(job.input, job, session));
-  set_share(job.max_error, raster.terrain.range(), max_error);
-  LODE_TRY(const PlacedSurface placed, read_placed_surface(job.surface));
-  LODE_TRY(const TinShape shape, to_shape(job.terrain));
-  return verify_terrain(*raster.grid, placed.surface,
-                        {.max_error = max_error.value_or(0),
-                         .shape = shape,
-                         .matches_sides = !built_model_of(job.terrain.model),
-                         .threads = session.threads(),
-                         .places = placed.places},
-                        session.progress());
+  const bool is_of_points = is_point_path(job.input) || job.terrain.has_lines();
+  LODE_TRY(const OpenedTerrain opened,
+           is_of_points ? open_terrain(job.input, job.terrain, job.reading, {}, max_error, session,
+                                       {.has_shares = is_share(job.max_error)})
+                        : open_raster(job.input, job, session));
+  set_share(job.max_error, opened.terrain.range(), max_error);
+  const bool matches_sides = !is_of_points && !built_model_of(job.terrain.model);
+  return verify_surface(
+      job, opened, {.max_error = max_error.value_or(0), .matches_sides = matches_sides}, session);
 }
 
 Result<void> check_tile_verify(const TerrainVerifyJob& job, const CLI::App& app) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 #include "lode/api/files.h"
@@ -353,6 +354,50 @@ TEST_F(cli_to_crs, height_refuses_places_of_no_crs_and_those_that_are_none) {
       run_lode({"height", scratch_ / "plain.asc", "--at", "1,1", "--places-crs", "EPSG:4326"});
   EXPECT_EQ(plain.exit_code, 1);
   EXPECT_NE(plain.err.find("expected terrain whose CRS is known"), std::string::npos) << plain.err;
+}
+
+TEST_F(cli_to_crs, surfaces_are_verified_where_they_are) {
+  const std::string path = scratch_ / "dem.ply";
+  const auto verified = [&](const char* crs) {
+    const Finished run = run_lode(
+        {"verify", dem_, "--surface", path, "--max-error", "20", "--to-crs", crs, "--json"});
+    EXPECT_EQ(run.exit_code == 0, run.json().at("passed").get<bool>()) << run.err;
+    return run;
+  };
+  const auto check = [](const Finished& run, const std::string& part) {
+    for (const auto& one : run.json().at("checks"))
+      if (one.at("name").get<std::string>().find(part) != std::string::npos) return one;
+    return nlohmann::json();
+  };
+  const Finished made = run_lode(in_utm({"extract", dem_, path, "--max-error", "20", "--json"}));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Finished good = verified("EPSG:32632");
+  EXPECT_EQ(good.exit_code, 0) << good.out;
+  EXPECT_TRUE(check(good, "has samples").at("passed").get<bool>());
+  const double there = made.json().at("to_crs").at("error").get<double>();
+  const auto measured = check(good, "(measured)");
+  EXPECT_NE(measured.at("detail").get<std::string>().find(fmt::format("up to {},", there)),
+            std::string::npos)
+      << measured;
+  // In another CRS, or in none, its vertices are at no samples.
+  EXPECT_EQ(verified("EPSG:32633").exit_code, 1);
+  EXPECT_NE(run_lode({"verify", dem_, "--surface", path, "--max-error", "20"}).exit_code, 0);
+  // A vertex that is a metre off is one, too.
+  std::string bytes = read_bytes(path);
+  const std::size_t first = bytes.find("end_header\n") + 11;
+  double x = 0;
+  std::memcpy(&x, &bytes[first], sizeof x);
+  ASSERT_GT(x, 1e5);
+  x += 1;
+  std::memcpy(&bytes[first], &x, sizeof x);
+  write_bytes(path, bytes);
+  const Finished moved = verified("EPSG:32632");
+  EXPECT_EQ(moved.exit_code, 1);
+  EXPECT_FALSE(check(moved, "has samples").at("passed").get<bool>());
+  EXPECT_NE(check(moved, "has samples").at("detail").get<std::string>().find("1 are not"),
+            std::string::npos);
+  // Volumes are in no CRS.
+  EXPECT_EQ(run_lode({"verify", scratch_ / "none.lode", "--to-crs", "EPSG:32632"}).exit_code, 2);
 }
 
 /// Ends of ways likewise, of profiles and lines of sight.
