@@ -98,6 +98,10 @@ TEST_F(point_reader, finds_the_crs_in_wkt_and_geotiff_keys) {
   const PointFile file = read(write("c.las", keys.bytes()));
   EXPECT_NE(file.crs.find("UTM zone 33N"), std::string::npos) << file.crs;
   EXPECT_EQ(file.vertical_unit, "us-ft");
+  // GeoTIFF 1.0's number of NAVD88, which is that of its datum.
+  const LasFile old{.points = kFour,
+                    .geo_keys = {1, 1, 0, 2, 3072, 0, 1, 26910, 4096, 0, 1, 5103}};
+  EXPECT_NE(read(write("o.las", old.bytes())).crs.find("NAVD88"), std::string::npos);
   const LasFile own{.points = kFour, .geo_keys = {1, 1, 0, 1, 3072, 0, 1, 32767}};
   EXPECT_EQ(read(write("d.las", own.bytes())).crs_note, "its GeoTIFF keys have no EPSG code");
   const PointFile given = read(write("d.las", own.bytes()), {.crs = "EPSG:4326"});
@@ -180,6 +184,26 @@ TEST_F(point_reader, finds_the_columns_that_a_heading_names) {
     SCOPED_TRACE(text);
     EXPECT_EQ(read(write("a.csv", text)).points, expected);
   }
+}
+
+/// Else triangles would go round the world, and lengths be those of degrees.
+TEST_F(point_reader, takes_longitudes_and_latitudes_for_those_of_wgs_84_and_says_so) {
+  const std::string rows = "\n179,1,5\n-179,2,6\n";
+  for (const char* names : {"lon,lat,z", "Longitude,Latitude,Elevation"}) {
+    const PointFile file = read(write("a.csv", names + rows));
+    EXPECT_NE(file.crs.find("WGS 84"), std::string::npos) << file.crs;
+    ASSERT_EQ(file.vertical.notes.size(), 1U);
+    EXPECT_NE(file.vertical.notes[0].find("--crs"), std::string::npos);
+  }
+  const PointFile stated = read(write("a.csv", "lon,lat,z" + rows), {.crs = "EPSG:4269"});
+  EXPECT_NE(stated.crs.find("NAD83"), std::string::npos) << stated.crs;
+  EXPECT_TRUE(stated.vertical.notes.empty());
+  // Other names, and what is no latitude, are in a plane.
+  EXPECT_EQ(read(write("a.csv", "x,y,z" + rows)).crs, "");
+  const PointFile far = read(write("a.csv", "lon,lat,z\n5e5,4e6,1\n5e5,4.1e6,2\n"));
+  EXPECT_EQ(far.crs, "");
+  ASSERT_EQ(far.vertical.notes.size(), 1U);
+  EXPECT_NE(far.vertical.notes[0].find("in a plane"), std::string::npos);
 }
 
 TEST_F(point_reader, refuses_headings_that_name_a_part_and_lists_the_names) {

@@ -106,10 +106,18 @@ struct GeoKeys {
       if (key == kProjected && value == kUserDefined) is_user_defined = true;
       if (key == kProjected && value != kUserDefined) epsg = value;
       if (key == kGeographic && value != kUserDefined) geographic = value;
-      if (key == kVertical && value != kUserDefined) vertical = value;
+      if (key == kVertical && value != kUserDefined) vertical = vertical_crs(value);
       if (key == kVerticalUnit) vertical_unit = unit_name(value);
     }
     if (epsg == 0 && !is_user_defined) epsg = geographic;
+  }
+  /// GeoTIFF 1.0 numbered vertical CRS as EPSG does their datums: 5101 (Newlyn) to 5106 (Caspian),
+  /// 5103 being NAVD88.
+  static int vertical_crs(int code) {
+    constexpr int kFirst = 5101;
+    constexpr int kLast = 5106;
+    constexpr int kCrsOfDatum = 600;
+    return code >= kFirst && code <= kLast ? code + kCrsOfDatum : code;
   }
   static std::string unit_name(std::uint16_t code) {
     if (code == 9001) return "m";

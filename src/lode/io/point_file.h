@@ -38,6 +38,7 @@ struct PointFile {
   std::string format;         ///< "LAS 1.2, format 3", or "text".
   std::string crs;            ///< As WKT; empty: not known.
   std::string crs_note;       ///< Why it is not, where the file has one; else empty.
+  bool has_degrees = false;   ///< A heading of text says longitude and latitude, of x and y.
   std::string vertical_unit;  ///< Empty: not known.
   PointCounts counts;
   VerticalOutcome vertical{};

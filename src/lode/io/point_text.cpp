@@ -152,7 +152,10 @@ bool has_decimal_comma(std::string_view line) {
 }
 
 /// Which columns are x, y and height.
-using Columns = std::array<std::size_t, 3>;
+struct Columns {
+  std::array<std::size_t, 3> at{0, 1, 2};
+  bool has_degrees = false;  ///< x and y are longitude and latitude.
+};
 
 bool is_heading(const std::vector<std::string_view>& words) {
   if (words.empty() || words[0].empty() || to_double(words[0])) return false;
@@ -177,6 +180,7 @@ constexpr std::array<std::array<std::string_view, 2>, 3> kPlaceNames{
     {{"x point_x", "y point_y"},
      {"lon long lng longitude", "lat latitude"},
      {"e east easting", "n north northing"}}};
+constexpr std::size_t kDegrees = 1;  ///< Which of them are.
 constexpr std::string_view kHeightNames =
     "z point_z h height ele elev elevation alt altitude depth grid_code";
 
@@ -184,14 +188,14 @@ constexpr std::string_view kHeightNames =
 std::optional<Columns> columns_of(const std::vector<std::string_view>& heading) {
   const auto height = find_column(heading, kHeightNames);
   bool has_place = false;
-  for (const auto& [x_names, y_names] : kPlaceNames) {
-    const auto x = find_column(heading, x_names);
-    const auto y = find_column(heading, y_names);
-    if (x && y && height) return Columns{*x, *y, *height};
+  for (std::size_t i = 0; i < kPlaceNames.size(); ++i) {
+    const auto x = find_column(heading, kPlaceNames[i][0]);
+    const auto y = find_column(heading, kPlaceNames[i][1]);
+    if (x && y && height) return Columns{{*x, *y, *height}, i == kDegrees};
     has_place = has_place || x || y;
   }
   if (has_place || height || heading.size() != 3) return std::nullopt;
-  return Columns{0, 1, 2};
+  return Columns{};
 }
 
 /// How many decimals a number is written with, but for zeros at its end.
@@ -259,7 +263,8 @@ class TextPointReader {
           "the first three columns are taken; got {}",
           path_, n_line, known, kHeightNames, quoted(line));
     }
-    columns_ = *found;
+    columns_ = found->at;
+    file_.has_degrees = found->has_degrees;
     return {};
   }
 
@@ -300,7 +305,7 @@ class TextPointReader {
 
   const std::string& path_;
   const PointReadOptions& options_;
-  Columns columns_{0, 1, 2};
+  std::array<std::size_t, 3> columns_{0, 1, 2};
   std::array<ColumnCount, 3> n_columns_;  ///< By separator.
   std::vector<std::string_view> words_;
   int most_decimals_ = 0;
