@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
+#include <utility>
 
 #include "to_crs.h"
 #include "vector_output.h"
@@ -22,55 +20,26 @@ std::string contour_comment(const TerrainAnswerer& answerer) {
                      crs.empty() ? "" : ", CRS " + crs);
 }
 
-/// Whole numbers below all coordinates, so that floats hold these as well as they can.
-Vec3d origin_of(const TerrainContours& contours) {
-  Place lower{{0, 0}};
-  bool is_first = true;
-  for (const TerrainContours::Line& line : contours.lines)
-    for (const Place& at : line.points) {
-      lower = is_first ? at : Place{{std::min(lower[0], at[0]), std::min(lower[1], at[1])}};
-      is_first = false;
-    }
-  return {{std::floor(lower[0]), std::floor(lower[1]), 0}};
-}
-
-Result<PlacedSurface> to_line_surface(const TerrainContours& contours) {
-  if (contours.n_points > std::numeric_limits<std::uint32_t>::max())
-    return fail("expected at most 2^32 points for .vtp, got {}", contours.n_points);
-  PlacedSurface placed;
-  Surface& surface = placed.surface;
-  surface.origin = origin_of(contours);
+/// A ring's last place is its first.
+Network to_network(const TerrainContours& contours) {
+  Network network;
+  network.places.reserve(contours.n_points);
+  Network::Column heights{.name = "height", .values = {}};
   for (const TerrainContours::Line& line : contours.lines) {
-    const auto first = static_cast<std::uint32_t>(surface.positions.size());
-    // A ring's last point is its first.
-    const auto n = static_cast<std::uint32_t>(line.points.size() - (line.is_ring ? 1 : 0));
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const Place& at = line.points[i];
-      surface.positions.push_back(
-          {{static_cast<float>(at[0] - surface.origin[0]),
-            static_cast<float>(at[1] - surface.origin[1]), static_cast<float>(line.height)}});
-      placed.places.push_back({{at[0], at[1], line.height}});
-      surface.values.push_back(line.height);
-      if (i + 1 < n)
-        surface.lines.push_back({first + i, first + i + 1});
-      else if (line.is_ring)
-        surface.lines.push_back({first + i, first});
-    }
+    for (const Place& at : line.points) network.places.push_back({{at[0], at[1], line.height}});
+    network.line_ends.push_back(network.places.size());
+    heights.values.push_back(line.height);
   }
-  return placed;
+  network.columns = {std::move(heights)};
+  return network;
 }
 
 }  // namespace
 
 Result<void> write_contours(const std::string& path, const TerrainAnswerer& answerer,
                             const TerrainContours& contours, Progress& progress) {
-  if (is_vtp_path(path)) {
-    LODE_TRY(const PlacedSurface placed, to_line_surface(contours));
-    return write_surface(
-        path, placed.surface,
-        {.comment = contour_comment(answerer), .value_name = "height", .places = placed.places},
-        progress);
-  }
+  if (is_vtp_path(path))
+    return write_network_vtp(path, to_network(contours), contour_comment(answerer), progress);
   LODE_TRY(VectorWriter writer,
            VectorWriter::create(path, {.name = "contours",
                                        .shape = VectorShape::lines,

@@ -59,6 +59,9 @@ TEST_F(cli_terrain_contours, go_to_every_format_with_the_same_lines) {
       EXPECT_NEAR(at[1].get<double>(), 36.15, 0.02);
     }
   }
+  // A line is one cell, not as many as it has pieces.
+  EXPECT_NE(read_bytes(scratch_ / "lines.vtp").find("NumberOfLines=\"" + gpkg.at("lines").dump()),
+            std::string::npos);
   const auto surface = read_surface(scratch_ / "lines.vtp");
   ASSERT_TRUE(surface) << surface.error().message;
   EXPECT_EQ(surface->lines.size() + gpkg.at("lines").get<std::size_t>(), gpkg.at("points"));
