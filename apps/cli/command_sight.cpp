@@ -108,8 +108,9 @@ Json sight_json(const TerrainSight& sight) {
 void warn_of(const TerrainSight& sight, const HorizontalMetric& metric, Session& session) {
   if (!metric.is_known) session.warn("the raster has no CRS: x and y are taken for metres");
   if (!sight.is_vertical_unit_known)
-    session.warn(
-        "the raster has no known unit of heights: they are taken for metres; --height-unit says");
+    session.warn(fmt::format(
+        "the raster has no known unit of heights: they are taken {}; --height-unit says",
+        metric.assumed_height_unit() == 1 ? "for metres" : "to be in the unit of x and y"));
   const bool is_sure = sight.terrain.is_everywhere || sight.terrain.max_error == 0 ||
                        sight.verdict == SightVerdict::undecided;
   if (!is_sure)
@@ -127,8 +128,8 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   LODE_TRY(const TerrainInput input, read_terrain(terrain, session));
   LODE_TRY(const auto source, open_places_crs(arguments.places_crs, arguments.terrain.input,
                                               input.opened.facts.frame, session));
-  LODE_TRY(const TerrainWay way, way_on(input.opened, input.metric, source,
-                                        {.from = options.from, .to = options.to}));
+  LODE_TRY(const TerrainWay way,
+           way_on(input.opened, input.metric, source, {.from = options.from, .to = options.to}));
   options.from = way.from;
   options.to = way.to;
   LODE_CHECK(check_upwards(input.opened.facts.frame, arguments.terrain.input));

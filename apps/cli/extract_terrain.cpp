@@ -99,14 +99,7 @@ Vec3d metres_of_axes(const TerrainJob& job, const HeightFrame& frame, const Heig
     session.warn(
         fmt::format("{}: x and y are taken for metres, as those of glTF are: the CRS is not known",
                     job.output));
-  // Of a plane, heights without a unit are most likely in that of x and y.
-  if (!place->is_vertical_unit_known && metric->is_known && !metric->ellipsoid) {
-    session.warn(fmt::format(
-        "{}: heights are taken to be in the unit of x and y, as the file {}", job.input,
-        frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
-    return {{place->x_scale, place->y_scale, std::abs(place->x_scale)}};
-  }
-  warn_of_unit(place->is_vertical_unit_known, frame, job.input, session);
+  warn_of_unit(place->is_vertical_unit_known, frame, *metric, job.input, session);
   return {{place->x_scale, place->y_scale, place->z_scale}};
 }
 

@@ -192,7 +192,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
              session));
   if (const auto& view = report.terrain.view)
     warn_of_view(*view, opened.model, opened.terrain.origin().finest_error(), session);
-  warn_of_unit(report.is_vertical_unit_known, opened.facts.frame, job.input, session);
+  warn_of_unit(report.is_vertical_unit_known, opened.facts.frame, metric, job.input, session);
   OutputSet outputs(outputs_of(job));
   LODE_CHECK(write_png(image, job.output));
   outputs.add(job.output);

@@ -172,7 +172,9 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
                              report.triangles));
   if (report.view) {
     warn_of_view(*report.view, opened.model, opened.terrain.origin().finest_error(), session);
-    warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, job.input, session);
+    if (const auto metric = read_metric(opened.facts.frame.crs))
+      warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, *metric, job.input,
+                   session);
   } else if (opened.model == TerrainModel::surface_quadtree && !report.is_within_error)
     session.warn(
         fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",

@@ -121,11 +121,13 @@ const char* bound_kind_of(const TerrainReport& report) {
   return report.is_everywhere ? "everywhere" : "at samples";
 }
 
-void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
-                  Session& session) {
+void warn_of_unit(bool is_known, const HeightFrame& frame, const HorizontalMetric& metric,
+                  const std::string& path, Session& session) {
   if (is_known) return;
+  const char* taken =
+      metric.assumed_height_unit() == 1 ? "for metres" : "to be in the unit of x and y";
   session.warn(fmt::format(
-      "{}: heights are taken for metres, as the file {}", path,
+      "{}: heights are taken {}, as the file {}", path, taken,
       frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
 }
 

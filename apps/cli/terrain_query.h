@@ -67,9 +67,9 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 /// "everywhere" or "at samples": where the bounds of a TIN hold.
 [[nodiscard]] const char* bound_kind_of(const TerrainReport& report);
 
-/// Warns that heights are taken for metres, where their unit is not known.
-void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
-                  Session& session);
+/// Warns of what heights are taken for, where their unit is not known.
+void warn_of_unit(bool is_known, const HeightFrame& frame, const HorizontalMetric& metric,
+                  const std::string& path, Session& session);
 
 /// Warns of a way that is straight in the coordinates and goes the long way round the earth, on a
 /// raster that has all of it.

@@ -124,6 +124,10 @@ TEST(cli_terrain, is_in_metres_in_gltf) {
   const Finished unknown = run_lode({"extract", scratch / "dem.asc", scratch / "dem.glb"});
   EXPECT_NE(unknown.err.find("heights are taken to be in the unit of x and y"), std::string::npos)
       << unknown.err;
+  // Pictures and lines of sight take them for the same.
+  const Finished drawn = run_lode({"render", scratch / "dem.asc", scratch / "dem.png"});
+  EXPECT_NE(drawn.err.find("heights are taken to be in the unit of x and y"), std::string::npos)
+      << drawn.err;
 }
 
 TEST(cli_terrain, warns_of_boxes_that_lie_outside_in_part) {

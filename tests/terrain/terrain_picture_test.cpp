@@ -63,6 +63,12 @@ TEST(terrain_picture, exaggerates_as_it_takes_and_as_told) {
   HeightGrid feet = relief(1);
   feet.vertical_unit = "US survey foot";
   EXPECT_EQ(drawn(feet, {.render = {}}).report.exaggeration, 10);
+  // In a plane of feet heights are taken for feet where nothing says what they are.
+  HorizontalMetric plane;
+  plane.is_known = true;
+  plane.length_unit = 0.3048;
+  EXPECT_EQ(drawn(relief(1), {.render = {}}, plane).report.exaggeration, 5);
+  EXPECT_FALSE(drawn(relief(1), {.render = {}}, plane).report.is_vertical_unit_known);
 }
 
 TEST(terrain_picture, counts_degrees_as_they_are_in_the_middle) {

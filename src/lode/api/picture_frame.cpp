@@ -77,10 +77,11 @@ Result<PictureFrame> picture_frame(const HeightFrame& grid, const HeightRange& r
       {(upper[0] - lower[0]) * frame.x_scale / 2, (upper[1] - lower[1]) * frame.y_scale / 2}};
   const std::optional<double> unit = metres_of_unit(grid.vertical_unit);
   frame.is_vertical_unit_known = unit.has_value();
-  const double relief = (range.upper - range.lower) * unit.value_or(1);
+  const double metres = unit.value_or(metric.assumed_height_unit());
+  const double relief = (range.upper - range.lower) * metres;
   frame.exaggeration = exaggeration.value_or(
       relief > 0 ? nice_below(kReliefShare * frame.longer_side() / relief) : 1);
-  frame.z_scale = unit.value_or(1) * frame.exaggeration;
+  frame.z_scale = metres * frame.exaggeration;
   frame.z_middle = (range.lower + range.upper) / 2;
   return frame;
 }

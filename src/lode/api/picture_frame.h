@@ -21,7 +21,8 @@ struct PictureFrame {
   double z_middle = 0;  ///< Units of the heights.
   Vec<double, 2> half;  ///< Metres, of the outline.
   double exaggeration = 1;
-  bool is_vertical_unit_known = false;  ///< Else metres are assumed.
+  /// Else it is assumed (HorizontalMetric::assumed_height_unit()).
+  bool is_vertical_unit_known = false;
 
   [[nodiscard]] Vec3d place(const Vec<double, 2>& at, double height) const {
     return {{(at[0] - middle[0]) * x_scale, (at[1] - middle[1]) * y_scale,
@@ -33,9 +34,10 @@ struct PictureFrame {
 };
 
 /// Longitudes and latitudes count as much as they do in the outline's middle, but not nearer to the
-/// poles than 85 degrees; heights as metres_of_unit() says, else as metres. Without an exaggeration
-/// it is 1, or the largest of 2, 5, 10, ... that makes the relief at most an eighth of the longer
-/// side. Fails on exaggerations that are not from 1e-6 to 1e6, and as check_angles() does.
+/// poles than 85 degrees; heights as metres_of_unit() says, else as the metric assumes. Without an
+/// exaggeration it is 1, or the largest of 2, 5, 10, ... that makes the relief at most an eighth of
+/// the longer side. Fails on exaggerations that are not from 1e-6 to 1e6, and as check_angles()
+/// does.
 [[nodiscard]] Result<PictureFrame> picture_frame(const HeightFrame& grid, const HeightRange& range,
                                                  const HorizontalMetric& metric,
                                                  const std::optional<double>& exaggeration);

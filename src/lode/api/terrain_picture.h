@@ -33,7 +33,7 @@ struct TerrainPictureOptions {
 struct TerrainPictureReport {
   TerrainReport terrain;  ///< Without slacks of coordinates.
   double exaggeration = 1;
-  bool is_vertical_unit_known = false;  ///< Else metres are assumed.
+  bool is_vertical_unit_known = false;  ///< Else it is assumed, as PictureFrame says.
   double width = 0;  ///< Metres, of the raster: in the middle where these are of an ellipsoid.
   double depth = 0;
   std::uint64_t n_contours = 0;  ///< Lines.
@@ -42,7 +42,7 @@ struct TerrainPictureReport {
 };
 
 /// Draws a TIN of the terrain in metres: longitudes and latitudes count as much
-/// as they do in the raster's middle, heights as metres_of_unit() says, else as metres. Fails as
+/// as they do in the raster's middle, heights as PictureFrame has them. Fails as
 /// extract_terrain() and render_surface() do, and on more than 2^20 contour levels.
 [[nodiscard]] Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metric,
                                          const TerrainPictureOptions& options,

@@ -93,8 +93,8 @@ class SightWay {
 
 }  // namespace
 
-Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options,
-                                      Progress& progress) const try {
+Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options, Progress& progress) const
+    try {
   TerrainSight sight;
   const Place& from = options.from;
   const Place& to = options.to;
@@ -104,7 +104,7 @@ Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options,
                                              ? options.vertical_metres
                                              : metres_of_unit(impl_->frame.vertical_unit);
   sight.is_vertical_unit_known = vertical.has_value();
-  sight.vertical_metres = vertical.value_or(1);
+  sight.vertical_metres = vertical.value_or(impl_->metric.assumed_height_unit());
   const std::optional<Ellipsoid>& measured = impl_->metric.measured().ellipsoid;
   const Ellipsoid earth = measured ? *measured : impl_->metric.ellipsoid.value_or(kWgs84Ellipsoid);
   sight.radius = earth.mean_radius();

@@ -35,13 +35,14 @@ struct TerrainSight {
   /// By how much the terrain stands above the ray there, at least and at most; below 0: under it.
   double above_low = 0;
   double above_high = 0;
-  double radius = 0;                    ///< Of the earth, metres.
-  double vertical_metres = 0;           ///< Of a unit of the heights.
-  bool is_vertical_unit_known = false;  ///< Else metres are assumed.
-  std::uint32_t n_rounds = 1;           ///< TINs that were made.
-  double finest_error = 0;              ///< The least tolerance that there is.
-  TerrainReport terrain;                ///< Of the last.
-  double seconds = 0;                   ///< Of all.
+  double radius = 0;           ///< Of the earth, metres.
+  double vertical_metres = 0;  ///< Of a unit of the heights.
+  /// Else it is assumed (HorizontalMetric::assumed_height_unit()).
+  bool is_vertical_unit_known = false;
+  std::uint32_t n_rounds = 1;  ///< TINs that were made.
+  double finest_error = 0;     ///< The least tolerance that there is.
+  TerrainReport terrain;       ///< Of the last.
+  double seconds = 0;          ///< Of all.
 
   /// Whether no finer TIN can be asked.
   [[nodiscard]] bool is_finest() const { return terrain.max_error <= finest_error; }

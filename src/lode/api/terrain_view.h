@@ -22,7 +22,7 @@ struct TerrainView {
 
 struct TerrainViewReport {
   double exaggeration = 1;
-  bool is_vertical_unit_known = false;   ///< Else metres are assumed.
+  bool is_vertical_unit_known = false;   ///< Else it is assumed, as PictureFrame says.
   std::optional<double> max_error_px{};  ///< As asked for.
   bool has_tolerance = false;            ///< The same.
   /// Pixels that no vertical error at a sample takes where the view shows it; infinite where the

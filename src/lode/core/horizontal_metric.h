@@ -45,6 +45,8 @@ struct HorizontalMetric {
   }
   /// Metres of a unit of distance; where the unit is not known it is taken for one.
   [[nodiscard]] double metres() const { return measured().ellipsoid ? 1 : measured().length_unit; }
+  /// Metres of a unit of heights that nothing says: in a plane it is most likely that of x and y.
+  [[nodiscard]] double assumed_height_unit() const { return ellipsoid ? 1 : length_unit; }
 
  private:
   [[nodiscard]] double mapped_distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const;
