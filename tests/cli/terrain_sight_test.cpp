@@ -177,6 +177,11 @@ TEST_F(cli_terrain_sight, wraps_surfaces_contours_and_models_on_request) {
     EXPECT_EQ(run.err.find("promises nothing") != std::string::npos, n > 0) << kind << run.err;
     if (n > 0) EXPECT_NE(run.err.find(std::to_string(n) + " vertices"), std::string::npos);
   }
+  // A last column in the place of the first, with other heights.
+  write_globe(scratch_ / "apart.asc", 37);
+  const Finished apart = run_lode({"extract", scratch_ / "apart.asc", made, "--wrap"});
+  EXPECT_NE(apart.exit_code, 0);
+  EXPECT_NE(apart.err.find("got others, first in row 0"), std::string::npos) << apart.err;
   const auto seam = run_lode({"height", model, "--at", "180,0", "--json"}).json();
   EXPECT_EQ(seam.at("outside"), 0);
   for (const Words& refused : {Words{"extract", part, made, "--wrap"},

@@ -204,6 +204,11 @@ Result<void> build_of_points(const std::string& path, const TerrainBuildOptions&
 
 Error not_round(const HeightGrid& grid, const HorizontalMetric& metric) {
   const double degrees = metric.angle_unit * 180 / std::numbers::pi;
+  if (const auto row = first_row_apart(grid, metric))
+    return fail(
+        "wrap: expected a last column with the heights of the first, whose place it has, got "
+        "others, first in row {}",
+        *row);
   const std::string got = metric.ellipsoid ? fmt::format("{} columns, {} degrees apart",
                                                          grid.n_columns, grid.to_world[1] * degrees)
                                            : "one in no geographic CRS";

@@ -11,14 +11,28 @@
 namespace lode {
 namespace {
 
-/// Whether two columns have the same heights.
-bool are_equal(const HeightGrid& grid, std::int32_t a, std::int32_t b) {
+/// The first row in which two columns have not the same height; nothing where they have everywhere.
+std::optional<std::int32_t> first_row_of_others(const HeightGrid& grid, std::int32_t a,
+                                                std::int32_t b) {
   for (std::int32_t y = 0; y < grid.n_rows; ++y) {
     const bool is_there = grid.has_height(a, y);
-    if (is_there != grid.has_height(b, y)) return false;
-    if (is_there && grid.height(a, y) != grid.height(b, y)) return false;
+    if (is_there != grid.has_height(b, y)) return y;
+    if (is_there && grid.height(a, y) != grid.height(b, y)) return y;
   }
-  return true;
+  return std::nullopt;
+}
+
+/// How many columns go into a turn, of a raster in longitudes from west to east; nothing of others.
+std::optional<std::int32_t> columns_in_turn(const HeightGrid& grid,
+                                            const HorizontalMetric& metric) {
+  const std::array<double, 6>& g = grid.to_world;
+  if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return std::nullopt;
+  if (!is_longitude(metric, g[0])) return std::nullopt;
+  const double n = std::round(whole_turn(metric) / g[1]);
+  constexpr double kSteps = 1e-3;  // That the seam may differ from others by.
+  if (!(n >= 3) || std::abs(n * g[1] - whole_turn(metric)) > kSteps * g[1]) return std::nullopt;
+  if (grid.n_columns != n && grid.n_columns != n + 1) return std::nullopt;
+  return static_cast<std::int32_t>(n);
 }
 
 }  // namespace
@@ -34,15 +48,16 @@ bool is_longitude(const HorizontalMetric& metric, double longitude) {
 
 std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
                                             const HorizontalMetric& metric) {
-  const std::array<double, 6>& g = grid.to_world;
-  if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return std::nullopt;
-  if (!is_longitude(metric, g[0])) return std::nullopt;
-  const double n = std::round(whole_turn(metric) / g[1]);
-  constexpr double kSteps = 1e-3;  // That the seam may differ from others by.
-  if (!(n >= 3) || std::abs(n * g[1] - whole_turn(metric)) > kSteps * g[1]) return std::nullopt;
-  if (grid.n_columns == n) return grid.n_columns;
-  if (grid.n_columns == n + 1 && are_equal(grid, 0, grid.n_columns - 1)) return grid.n_columns - 1;
-  return std::nullopt;
+  const auto n = columns_in_turn(grid, metric);
+  if (!n || first_row_apart(grid, metric)) return std::nullopt;
+  return n;
+}
+
+std::optional<std::int32_t> first_row_apart(const HeightGrid& grid,
+                                            const HorizontalMetric& metric) {
+  const auto n = columns_in_turn(grid, metric);
+  if (!n || grid.n_columns == *n) return std::nullopt;
+  return first_row_of_others(grid, 0, grid.n_columns - 1);
 }
 
 HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longitude) {

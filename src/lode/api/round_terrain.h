@@ -28,6 +28,11 @@ namespace lode {
 [[nodiscard]] std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
                                                           const HorizontalMetric& metric);
 
+/// Of a raster that were one, if its last column had the heights of the first, in whose place it
+/// is: the first row where it has not.
+[[nodiscard]] std::optional<std::int32_t> first_row_apart(const HeightGrid& grid,
+                                                          const HorizontalMetric& metric);
+
 /// Such a raster from the column at a longitude (is_longitude()), or the next to its west, all the
 /// way round to that column once more: so a way that begins there and is no longer than a turn does
 /// not leave it.

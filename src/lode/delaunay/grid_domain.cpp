@@ -120,8 +120,10 @@ Result<GridDomain> find_domain(const HeightGrid& grid, std::span<const std::int3
 Result<void> check_heights(const HeightRange& range) {
   constexpr double kLargest = 1e30;
   if (range.lower < -kLargest || range.upper > kLargest)
-    return fail("expected heights from {} to {}, got {} to {}", -kLargest, kLargest, range.lower,
-                range.upper);
+    return fail(
+        "expected heights from {} to {}, got {} to {}: of a number that stands for missing "
+        "samples, and that the file does not say, --nodata says it",
+        -kLargest, kLargest, range.lower, range.upper);
   return {};
 }
 
