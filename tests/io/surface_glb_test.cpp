@@ -71,6 +71,24 @@ TEST(glb_file, states_the_bounds_and_puts_the_origin_into_the_node) {
   EXPECT_NE(bytes.find(R"("translation":[1000000.0,0.1,0.0])"), std::string::npos);
 }
 
+/// Renderers add to positions in floats: they should be small where that loses nothing.
+TEST(glb_file, counts_positions_that_lie_far_away_from_one_of_them) {
+  Surface surface;
+  surface.positions = {
+      {{557820, 5108010, 1611}}, {{557850, 5108010, 1620}}, {{557820, 5108040, 9}}};
+  surface.triangles = {{0, 1, 2}};
+  const std::string bytes = written_bytes(surface);
+  EXPECT_NE(bytes.find(R"("max":[30.0,30.0,9.0])"), std::string::npos) << bytes;
+  EXPECT_NE(bytes.find(R"("translation":[557820.0,5108010.0,1611.0])"), std::string::npos);
+  const auto read = read_bytes(".glb", bytes);
+  ASSERT_TRUE(read);
+  for (std::uint32_t v = 0; v < 3; ++v)
+    EXPECT_EQ(read->world_position(v), surface.world_position(v));
+  // Where floats do not have the differences they stay as they are.
+  surface.positions = {{{8e6F, 0.1F, 0}}, {{8.001e6F, 1.0F, 0}}, {{8e6F, 1.0F, 0}}};
+  EXPECT_EQ(written_bytes(surface).find("translation"), std::string::npos);
+}
+
 TEST(glb_file, stands_upright) {
   const std::string bytes = written_bytes(make_torus(3));
   EXPECT_NE(bytes.find(R"("nodes":[{"children":[1],"matrix":[1.0,0.0,0.0,0.0,0.0,0.0,-1.0,0.0,)"

@@ -57,6 +57,52 @@ struct GlbArrays {
   }
 };
 
+/// What positions are counted from.
+struct NearPositions {
+  std::vector<Vec3f> moved{};  ///< Empty: the surface's own.
+  Vec3d origin;
+
+  /// Renderers compute with floats: where a surface lies far from its origin, its vertices are
+  /// counted from one of them, if that loses nothing.
+  explicit NearPositions(const Surface& surface) : origin(surface.origin) {
+    if (surface.positions.empty() || !is_far(surface.positions)) return;
+    const Vec3f first = surface.positions.front();
+    moved.reserve(surface.positions.size());
+    for (const Vec3f& p : surface.positions) {
+      Vec3f near;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double exact = static_cast<double>(p[k]) - static_cast<double>(first[k]);
+        near[k] = static_cast<float>(exact);
+        if (static_cast<double>(near[k]) != exact) {
+          moved.clear();
+          return;
+        }
+      }
+      moved.push_back(near);
+    }
+    for (std::size_t k = 0; k < 3; ++k) origin[k] += static_cast<double>(first[k]);
+  }
+
+  [[nodiscard]] const std::vector<Vec3f>& of(const Surface& surface) const {
+    return moved.empty() ? surface.positions : moved;
+  }
+
+ private:
+  static bool is_far(const std::vector<Vec3f>& positions) {
+    constexpr double kFar = 8;
+    double extent = 0;
+    double largest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] =
+          std::ranges::minmax(positions, {}, [&](const Vec3f& p) { return p[k]; });
+      extent = std::max(extent, static_cast<double>(high[k]) - static_cast<double>(low[k]));
+      largest = std::max(
+          {largest, std::abs(static_cast<double>(low[k])), std::abs(static_cast<double>(high[k]))});
+    }
+    return std::isfinite(largest) && largest > kFar * extent;
+  }
+};
+
 json describe_point(const Vec3f& p) { return json::array({p[0], p[1], p[2]}); }
 
 void add_bounds(const std::vector<Vec3f>& positions, json& accessor) {
@@ -71,11 +117,11 @@ void add_bounds(const std::vector<Vec3f>& positions, json& accessor) {
   accessor["max"] = describe_point(upper);
 }
 
-json describe_primitive(const Surface& surface, GlbArrays& arrays) {
+json describe_primitive(const Surface& surface, const NearPositions& near, GlbArrays& arrays) {
   const std::size_t n = surface.positions.size();
   json attributes = json::object();  // of a null that cannot become one, destruction would crash
   attributes["POSITION"] = arrays.add("VEC3", kGlFloat, n, n * sizeof(Vec3f), kGlVertexBuffer);
-  add_bounds(surface.positions, arrays.accessors[0]);
+  add_bounds(near.of(surface), arrays.accessors[0]);
   if (!surface.normals.empty())
     attributes["NORMAL"] = arrays.add("VEC3", kGlFloat, n, n * sizeof(Vec3f), kGlVertexBuffer);
   if (!surface.isovalues.empty())
@@ -91,16 +137,16 @@ json describe_primitive(const Surface& surface, GlbArrays& arrays) {
 }
 
 /// The JSON chunk, padded to whole words as the container demands; sets the size of the data.
-std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
-                     std::uint64_t& n_bytes) {
+std::string describe(const Surface& surface, const NearPositions& near,
+                     const SurfaceWriteOptions& options, std::uint64_t& n_bytes) {
   std::array<double, 16> matrix = kTurn;
   for (std::size_t i = 0; i < 3; ++i) matrix[kAxes[i]] *= options.metres[i];
   const json outer = {{"name", options.node_name.empty() ? "isosurface" : options.node_name},
                       {"matrix", matrix},
                       {"children", json::array({1})}};
   json node = json::object();
-  if (has_origin(surface))
-    node["translation"] = {surface.origin[0], surface.origin[1], surface.origin[2]};
+  if (near.origin != Vec3d{{0, 0, 0}})
+    node["translation"] = {near.origin[0], near.origin[1], near.origin[2]};
   json document = {
       {"asset",
        {{"version", "2.0"},
@@ -110,7 +156,7 @@ std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
       {"scenes", json::array({{{"nodes", json::array({0})}}})}};
   if (!surface.positions.empty()) {
     GlbArrays arrays;
-    const json primitives = json::array({describe_primitive(surface, arrays)});
+    const json primitives = json::array({describe_primitive(surface, near, arrays)});
     document["meshes"] = json::array({{{"primitives", primitives}}});
     document["accessors"] = arrays.accessors;
     document["bufferViews"] = arrays.views;
@@ -313,7 +359,8 @@ Result<Surface> read_document(const std::string& path, const json& document,
 Result<void> write_glb(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
   std::uint64_t n_data_bytes = 0;
-  const std::string text = describe(surface, options, n_data_bytes);
+  const NearPositions near(surface);
+  const std::string text = describe(surface, near, options, n_data_bytes);
   std::uint64_t n_bytes = kFileHeadBytes + kChunkHeadBytes + text.size();
   if (n_data_bytes > 0) n_bytes += kChunkHeadBytes + n_data_bytes;
   if (n_bytes > std::numeric_limits<std::uint32_t>::max())
@@ -326,7 +373,7 @@ Result<void> write_glb(const std::string& path, const Surface& surface,
   LODE_CHECK(file.write(text));
   if (n_data_bytes > 0) {
     LODE_CHECK(write_words(file, {n_data_bytes, kBinChunk}));
-    LODE_CHECK(write_array(file, std::span(surface.positions)));
+    LODE_CHECK(write_array(file, std::span(near.of(surface))));
     LODE_CHECK(write_array(file, std::span(surface.normals)));
     LODE_CHECK(write_array(file, std::span(surface.isovalues)));
     LODE_CHECK(write_array(file, std::span(surface.triangles)));
