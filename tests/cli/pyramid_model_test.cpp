@@ -93,6 +93,27 @@ TEST_P(cli_pyramid_model, gives_the_meshes_of_the_delaunay_pyramid) {
   EXPECT_EQ(again.json().at("triangles"), built_.at("levels")[1].at("triangles"));
 }
 
+/// That makes the triangles round a window alone, this reads the level and leaves the others out.
+TEST_P(cli_pyramid_model, has_the_windows_of_the_delaunay_pyramid) {
+  const std::string history = scratch_ / "history.lode";
+  ASSERT_EQ(run_lode({"build", dem_, history, "--levels", "2,10,50"}).exit_code, 0);
+  for (const char* tolerance : {"50", "10", "2"})
+    for (const char* window : {"500300,500500,4000300,4000500", "500612,500613,4000399,4000400",
+                               "499000,500030,3999000,4000040", "500045,500045,4000045,4000045",
+                               "499000,503000,3999000,4003000"}) {
+      SCOPED_TRACE(std::string(tolerance) + " in " + window);
+      const auto own = report({"--max-error", tolerance, "--clip", window});
+      const std::string lines = without_comments(scratch_ / "out.ply");
+      const auto other = run_lode({"extract", history, scratch_ / "of.ply", "--max-error",
+                                   tolerance, "--clip", window, "--json"})
+                             .json();
+      EXPECT_EQ(other.at("clip"), own.at("clip"));
+      EXPECT_EQ(other.at("vertices"), own.at("vertices"));
+      EXPECT_EQ(other.at("achieved_error"), own.at("achieved_error"));
+      EXPECT_EQ(without_comments(scratch_ / "of.ply"), lines);
+    }
+}
+
 TEST_P(cli_pyramid_model, takes_a_level_and_refuses_mixtures) {
   const auto& levels = built_.at("levels");
   EXPECT_EQ(report({"--max-error", "20"}).at("triangles"), levels[1].at("triangles"));

@@ -78,11 +78,11 @@ Result<MappedTerrain> extract_mapped_terrain(const Terrain& terrain, const Terra
   const Stopwatch watch;
   const HeightFrame& frame = terrain.frame();
   MappedTerrain mapped;
+  if (mapping.clip) mapped.terrain.clip.emplace();
   LODE_TRY(SelectedTerrain selected,
-           terrain.origin().select(options, delaunay::TinLinks::left_out, progress));
-  if (mapping.clip) {
-    LODE_TRY(mapped.terrain.clip, clip_selected(*mapping.clip, frame, selected));
-  }
+           mapping.clip
+               ? select_clipped(terrain, options, *mapping.clip, *mapped.terrain.clip, progress)
+               : terrain.origin().select(options, delaunay::TinLinks::left_out, progress));
   TerrainReport& report = mapped.terrain.report;
   report = selected.report;
   report.seconds = watch.seconds();

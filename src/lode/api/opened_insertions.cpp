@@ -53,6 +53,13 @@ class StepParts final : public TerrainParts {
                                             Progress& progress) const override {
     return tin_along(*file_, time_, a, b, progress);
   }
+  [[nodiscard]] Result<std::optional<delaunay::Tin>> within(const delaunay::Point& lower,
+                                                            const delaunay::Point& upper,
+                                                            Progress& progress) const override {
+    // As for a demand: of a great part all are had sooner.
+    constexpr std::uint32_t kGreatPart = 8;
+    return tin_within(*file_, time_, lower, upper, file_->n_nodes() / kGreatPart, progress);
+  }
 
  private:
   std::shared_ptr<const HistoryFile> file_;

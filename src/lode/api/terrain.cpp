@@ -77,12 +77,11 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
   return report;
 }
 
-}  // namespace
-
+/// Leaves of a TIN what meets a box. Fails where nothing does.
 Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
                                   SelectedTerrain& selected) {
   delaunay::Tin& tin = selected.tin;
-  TerrainClip clip{.box = box, .n_triangles = tin.triangles.size()};
+  TerrainClip clip{.box = box, .n_triangles = selected.report.triangles};
   keep_in_window(tin, frame, {box.lower, box.upper});
   clip.n_kept = tin.triangles.size();
   selected.report.triangles = tin.triangles.size();
@@ -94,16 +93,48 @@ Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
       box.lower[0], box.upper[0], box.lower[1], box.upper[1], clip.n_triangles);
 }
 
+/// All of a mesh, or the part of it round a box, where that can be had; the report is of all.
+Result<SelectedTerrain> select_round(const Terrain& terrain, const TerrainOptions& options,
+                                     const PlaceBox& box, Progress& progress) {
+  LODE_TRY(const auto parts, terrain.origin().parts(options));
+  if (parts) {
+    const HeightFrame& frame = terrain.frame();
+    Vec<double, 2> lower = frame.lattice(box.lower[0], box.lower[1]);
+    Vec<double, 2> upper = lower;
+    for (const double x : {box.lower[0], box.upper[0]})
+      for (const double y : {box.lower[1], box.upper[1]}) {
+        const Vec<double, 2> corner = frame.lattice(x, y);
+        for (std::size_t k = 0; k < 2; ++k) {
+          lower[k] = std::min(lower[k], corner[k]);
+          upper[k] = std::max(upper[k], corner[k]);
+        }
+      }
+    // A column and row more, as places of nodes are rounded.
+    LODE_TRY(auto tin,
+             parts->within({lower[0] - 1, lower[1] - 1}, {upper[0] + 1, upper[1] + 1}, progress));
+    if (tin) return SelectedTerrain{*std::move(tin), parts->report()};
+  }
+  return terrain.origin().select(options, delaunay::TinLinks::left_out, progress);
+}
+
+}  // namespace
+
+Result<SelectedTerrain> select_clipped(const Terrain& terrain, const TerrainOptions& options,
+                                       const PlaceBox& box, TerrainClip& clip, Progress& progress) {
+  LODE_TRY(SelectedTerrain selected, select_round(terrain, options, box, progress));
+  LODE_TRY(clip, clip_selected(box, terrain.frame(), selected));
+  return selected;
+}
+
 Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOptions& options,
                                        Progress& progress,
                                        const std::optional<PlaceBox>& clip) try {
   const Stopwatch watch;
-  LODE_TRY(SelectedTerrain selected,
-           terrain.origin().select(options, delaunay::TinLinks::left_out, progress));
   std::optional<TerrainClip> clipped;
-  if (clip) {
-    LODE_TRY(clipped, clip_selected(*clip, terrain.frame(), selected));
-  }
+  if (clip) clipped.emplace();
+  LODE_TRY(SelectedTerrain selected,
+           clip ? select_clipped(terrain, options, *clip, *clipped, progress)
+                : terrain.origin().select(options, delaunay::TinLinks::left_out, progress));
   TinSurface made = to_surface(selected.tin, terrain.frame());
   TerrainReport report = selected.report;
   report.height_slack = made.height_slack;

@@ -65,6 +65,12 @@ Result<SelectedTerrain> selected(const TerrainOptions& options, const HeightRang
 
 }  // namespace
 
+Result<std::optional<delaunay::Tin>> TerrainParts::within(const delaunay::Point& /*lower*/,
+                                                          const delaunay::Point& /*upper*/,
+                                                          Progress& /*progress*/) const {
+  return std::optional<delaunay::Tin>();
+}
+
 Result<std::shared_ptr<const TerrainParts>> TerrainOrigin::parts(
     const TerrainOptions& /*options*/) const {
   return std::shared_ptr<const TerrainParts>{};

@@ -26,9 +26,12 @@ struct SelectedTerrain {
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);
 
-/// Leaves of a TIN what meets a box. Fails where nothing does.
-[[nodiscard]] Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
-                                                SelectedTerrain& selected);
+/// Of the TIN that TerrainOrigin::select() makes what meets a box, from a part of the model where
+/// that has parts. Fails as that does, and where nothing meets the box.
+[[nodiscard]] Result<SelectedTerrain> select_clipped(const Terrain& terrain,
+                                                     const TerrainOptions& options,
+                                                     const PlaceBox& box, TerrainClip& clip,
+                                                     Progress& progress);
 
 /// As verify_terrain(), of a TIN of points, with heights, before it is rounded to floats.
 [[nodiscard]] Result<VerifyReport> verify_point_tin(const PointTerrain& terrain,

@@ -38,6 +38,11 @@ class TerrainParts {
   [[nodiscard]] virtual Result<delaunay::Tin> along(const delaunay::Point& a,
                                                     const delaunay::Point& b,
                                                     Progress& progress) const = 0;
+  /// The same of those that meet a rectangle of columns and rows, and of some beside it; nothing
+  /// where that takes all of the mesh.
+  [[nodiscard]] virtual Result<std::optional<delaunay::Tin>> within(const delaunay::Point& lower,
+                                                                    const delaunay::Point& upper,
+                                                                    Progress& progress) const;
 };
 
 /// A surface of patches, each with its own error, that need not meet: what a model has whose

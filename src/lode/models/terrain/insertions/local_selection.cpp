@@ -48,7 +48,8 @@ class DemandedTin {
 /// Goes down from the base to the triangles of the last time that meet something.
 class Search {
  public:
-  Search(const HistoryFile& file, std::uint32_t time) : mesh_(file, time) {
+  Search(const HistoryFile& file, std::uint32_t time, std::uint32_t max_nodes = kNone)
+      : mesh_(file, time), max_nodes_(max_nodes) {
     std::vector<LatticeBox> boxes;
     for (std::uint32_t t = 0; t < mesh_.n_triangles(); ++t)
       boxes.push_back(box_of(mesh_.corners_of(t)));
@@ -65,7 +66,7 @@ class Search {
                       push(t, meets);
                       return true;
                     });
-    while (!open_.empty()) {
+    while (!open_.empty() && !is_beyond()) {
       const std::uint32_t t = open_.back();
       open_.pop_back();
       LODE_TRY(const FileNode death, mesh_.death_of(t));
@@ -80,6 +81,8 @@ class Search {
     return {};
   }
   [[nodiscard]] LatticeCorners corners_of(std::uint32_t t) const { return mesh_.corners_of(t); }
+  /// More nodes were applied than there may be: what was found is not all.
+  [[nodiscard]] bool is_beyond() const { return mesh_.n_applied() > max_nodes_; }
   [[nodiscard]] delaunay::Tin take() {
     std::ranges::sort(found_);
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
@@ -96,6 +99,7 @@ class Search {
   }
 
   LocalMesh mesh_;
+  std::uint32_t max_nodes_;
   BoxTree boxes_;  ///< Of the base's triangles.
   std::uint32_t round_ = 0;
   std::vector<std::uint32_t> seen_;  ///< By triangle: in which round it was.
@@ -132,6 +136,18 @@ Result<delaunay::Tin> tin_along(const HistoryFile& file, std::uint32_t time, con
     return box_of(corners).meets(box) && !is_beside_line(corners, a, b);
   }));
   return search.take();
+}
+
+Result<std::optional<delaunay::Tin>> tin_within(const HistoryFile& file, std::uint32_t time,
+                                                const Point& lower, const Point& upper,
+                                                std::uint32_t max_nodes, Progress& progress) {
+  if (progress.is_cancelled()) return cancelled_error();
+  Search search(file, time, max_nodes);
+  const LatticeBox box = box_round(lower, upper);
+  LODE_CHECK(
+      search.add(box, [&](std::uint32_t t) { return box_of(search.corners_of(t)).meets(box); }));
+  if (search.is_beyond()) return std::optional<delaunay::Tin>();
+  return std::optional(search.take());
 }
 
 }  // namespace lode::insertions

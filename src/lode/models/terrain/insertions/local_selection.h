@@ -34,4 +34,10 @@ namespace lode::insertions {
                                               const delaunay::Point& a, const delaunay::Point& b,
                                               Progress& progress);
 
+/// The same of those that meet a rectangle, and of some beside it. Nothing where that takes more
+/// than so many nodes.
+[[nodiscard]] Result<std::optional<delaunay::Tin>> tin_within(
+    const HistoryFile& file, std::uint32_t time, const delaunay::Point& lower,
+    const delaunay::Point& upper, std::uint32_t max_nodes, Progress& progress);
+
 }  // namespace lode::insertions
