@@ -1,6 +1,6 @@
-// lode-raster-import: copies a raster from a netCDF file, which lode reads in no other way, into a
-// GeoTIFF. A program of its own: the libraries that read netCDF may crash, hang or take all memory
-// over files that are damaged, and lode is to say so and live.
+// lode-raster-import: copies a raster from a netCDF file, or another that GDAL reads and lode does
+// not, into a GeoTIFF. A program of its own: libraries that read these may crash, hang or take all
+// memory over files that are damaged, and lode is to say so and live.
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal.h>
@@ -28,6 +28,7 @@
 
 #include "classic_size.h"
 #include "copy.h"
+#include "gdal_file.h"
 #include "grid.h"
 #include "netcdf_file.h"
 #include "outside_files.h"
@@ -43,13 +44,15 @@ constexpr int kUsage = 2;
 constexpr std::uint64_t kMostBytes = std::uint64_t{2} << 30;
 
 constexpr const char* kHelp =
-    "Usage: lode-raster-import IN.nc OUT.tif [--variable NAME] [--layer N]\n"
+    "Usage: lode-raster-import IN OUT.tif [--variable NAME] [--layer N]\n"
     "                          [--crs-is-stated] [--nodata-is-stated]\n\n"
-    "Copies a raster of a netCDF file (classic, 64-bit, CDF-5 or netCDF-4) into a GeoTIFF, north\n"
-    "up, of the same type, and says on stdout what it does, a line each: progress, bytes, crs,\n"
-    "degrees, points, note, and error where it fails. lode itself runs it for such files.\n\n"
-    "  --variable NAME     Variable over two dimensions (default: the only one)\n"
-    "  --layer N           Layer along its other dimensions, from 1\n"
+    "Copies a raster of a netCDF file (classic, 64-bit, CDF-5 or netCDF-4), north up, or a band "
+    "of\n"
+    "another file that GDAL reads, into a GeoTIFF of the same type, and says on stdout what it\n"
+    "does, a line each: progress, bytes, format, crs, degrees, points, note, and error where it\n"
+    "fails. lode itself runs it for such files.\n\n"
+    "  --variable NAME     Of netCDF: variable over two dimensions (default: the only one)\n"
+    "  --layer N           Layer along its other dimensions, or band, from 1\n"
     "  --crs-is-stated     Read also where what the file says of its CRS is not understood\n"
     "  --nodata-is-stated  Leave out what the file says of missing samples\n"
     "  --help              This text\n";
@@ -107,7 +110,7 @@ void limit_self() {
   ::setrlimit(RLIMIT_DATA, &limit);
 }
 
-enum class Format { classic, hdf5 };
+enum class Format { classic, hdf5, other };
 
 Format format_of(const std::string& path) {
   std::array<char, 8> head{};
@@ -117,7 +120,7 @@ Format format_of(const std::string& path) {
   if (start == "\x89HDF\r\n\x1a\n"sv) return Format::hdf5;
   for (const std::string_view magic : {"CDF\1"sv, "CDF\2"sv, "CDF\5"sv})
     if (start.starts_with(magic)) return Format::classic;
-  throw std::runtime_error("expected a netCDF file");
+  return Format::other;
 }
 
 void set_up_libraries() {
@@ -148,10 +151,20 @@ class Reporter {
   std::chrono::steady_clock::time_point last_{};
 };
 
+void import_other(const std::string& input, const Arguments& arguments) {
+  const GdalFacts facts = copy_by_gdal(input, arguments.choice, arguments.output, Reporter());
+  say("format", facts.format);
+  if (!facts.crs.empty()) say("crs", facts.crs);
+  if (facts.is_point) say("points", "");
+  for (const std::string& note : facts.notes) say("note", note);
+}
+
 void import(const Arguments& arguments) {
   // libnetcdf takes URLs for names, too, but none that begin with a slash.
   const std::string input = std::filesystem::absolute(arguments.input).string();
-  if (format_of(input) == Format::hdf5) {
+  const Format format = format_of(input);
+  if (format == Format::other) return import_other(input, arguments);
+  if (format == Format::hdf5) {
     check_outside_files(input);
   } else {
     check_classic_size(input);

@@ -9,7 +9,7 @@
 #include <random>
 #include <thread>
 
-#include "lode/io/netcdf_raster.h"
+#include "lode/io/imported_raster.h"
 #include "tests/io/height_reading.h"
 #include "tests/io/netcdf_files.h"
 #include "tests/oracles/trials.h"
@@ -62,7 +62,7 @@ class damaged_netcdf : public test::HeightReading {
   [[nodiscard]] std::string failure_of(const std::string& lines) const {
     using std::chrono::milliseconds;
     Progress progress;
-    const auto raster = import_netcdf((*this)("a.nc"), {}, progress,
+    const auto raster = import_raster((*this)("a.nc"), {}, progress,
                                       {.path = script(lines), .patience = milliseconds(400)});
     EXPECT_FALSE(raster);
     return raster ? "" : raster.error().message;
@@ -220,7 +220,7 @@ TEST_F(damaged_netcdf, is_given_up_when_cancelled) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     progress.cancel();
   });
-  const auto raster = import_netcdf((*this)("a.nc"), {}, progress, {.path = program});
+  const auto raster = import_raster((*this)("a.nc"), {}, progress, {.path = program});
   ASSERT_FALSE(raster);
   EXPECT_EQ(raster.error().message, cancelled_error().message);
 }
@@ -229,12 +229,12 @@ TEST_F(damaged_netcdf, whose_copy_is_none_is_an_error) {
   // Of a reader that ends well and has written nothing: the copy is not read.
   const auto raster = [&] {
     Progress progress;
-    return import_netcdf((*this)("a.nc"), {}, progress, {.path = script("exit 0")});
+    return import_raster((*this)("a.nc"), {}, progress, {.path = script("exit 0")});
   }();
   ASSERT_TRUE(raster);
   EXPECT_EQ(std::filesystem::file_size(raster->name()), 0U);
   Progress progress;
-  const auto absent = import_netcdf((*this)("a.nc"), {}, progress, {.path = (*this)("no-program")});
+  const auto absent = import_raster((*this)("a.nc"), {}, progress, {.path = (*this)("no-program")});
   EXPECT_NE(absent.error().message.find("cannot be started"), std::string::npos);
 }
 

@@ -48,9 +48,10 @@ Result<GdalRaster> GdalRaster::open(const std::string& path, const HeightReadOpt
                                     Progress& progress) {
   // GDAL takes URLs and the text of some formats for names, too.
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
-  const bool is_imported = is_netcdf(path);
+  const bool has_variables = is_netcdf(path);
+  const bool is_imported = has_variables || is_imported_path(path);
   if (!is_imported) LODE_CHECK(check_raster_kind(path));
-  if (!is_imported && !options.variable.empty())
+  if (!has_variables && !options.variable.empty())
     return fail("{}: expected a netCDF file to choose a variable of, '{}', got another raster",
                 path, options.variable);
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
@@ -60,7 +61,7 @@ Result<GdalRaster> GdalRaster::open(const std::string& path, const HeightReadOpt
   gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
   if (is_imported) {
-    LODE_CHECK(raster.open_netcdf(options, progress));
+    LODE_CHECK(raster.open_imported(options, progress));
     return raster;
   }
   const std::string type = ascii_grid_type(path);
@@ -93,14 +94,14 @@ Result<void> GdalRaster::open_virtual() {
   return fail("{}: expected a VRT of heights, got: {}", path_, reason());
 }
 
-Result<void> GdalRaster::open_netcdf(const HeightReadOptions& options, Progress& progress) {
+Result<void> GdalRaster::open_imported(const HeightReadOptions& options, Progress& progress) {
   constexpr std::array<const char*, 2> kTiff{"GTiff", nullptr};
-  LODE_TRY(NetcdfRaster made, import_netcdf(path_,
-                                            {.variable = options.variable,
-                                             .layer = options.band,
-                                             .crs_is_stated = !options.crs.empty(),
-                                             .nodata_is_stated = options.nodata.has_value()},
-                                            progress));
+  LODE_TRY(ImportedRaster made, import_raster(path_,
+                                              {.variable = options.variable,
+                                               .layer = options.band,
+                                               .crs_is_stated = !options.crs.empty(),
+                                               .nodata_is_stated = options.nodata.has_value()},
+                                              progress));
   imported_.emplace(std::move(made));
   gdal_->reset_errors();
   dataset_ = gdal_->open(imported_->name().c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kTiff.data(),
@@ -130,7 +131,7 @@ GdalRaster::~GdalRaster() {
 }
 
 std::string GdalRaster::format() const {
-  if (imported_) return "netCDF";
+  if (imported_) return imported_->format;
   GDALDriverH driver = gdal_->driver(source_ != nullptr ? source_ : dataset_);
   return driver == nullptr ? "unknown" : gdal_->driver_name(driver);
 }

@@ -11,7 +11,7 @@
 #include "lode/io/degrees_rim.h"
 #include "lode/io/gdal_library.h"
 #include "lode/io/height_reader.h"
-#include "lode/io/netcdf_raster.h"
+#include "lode/io/imported_raster.h"
 
 namespace lode::io {
 
@@ -22,7 +22,7 @@ namespace lode::io {
 class GdalRaster {
  public:
   /// Fails on what is no regular file, or no raster. Of the options a variable, band, nodata and
-  /// CRS matter, which import_netcdf() is told of; `progress` is told of what that does.
+  /// CRS matter, which import_raster() is told of; `progress` is told of what that does.
   [[nodiscard]] static Result<GdalRaster> open(const std::string& path,
                                                const HeightReadOptions& options,
                                                Progress& progress);
@@ -96,8 +96,8 @@ class GdalRaster {
   [[nodiscard]] Result<void> check_size_in_degrees(const HeightReadOptions& options) const;
   /// Opens what check_virtual_raster() makes of it.
   [[nodiscard]] Result<void> open_virtual();
-  /// Opens what import_netcdf() makes of it.
-  [[nodiscard]] Result<void> open_netcdf(const HeightReadOptions& options, Progress& progress);
+  /// Opens what import_raster() makes of it.
+  [[nodiscard]] Result<void> open_imported(const HeightReadOptions& options, Progress& progress);
   /// The places of its samples.
   [[nodiscard]] Result<HeightFrame> frame_in_degrees() const;
 
@@ -110,7 +110,7 @@ class GdalRaster {
   bool is_virtual_ = false;
   std::vector<std::string> band_faults_{};  ///< CheckedVirtualRaster's.
   std::int32_t n_part_block_rows_ = 1;
-  std::optional<NetcdfRaster> imported_{};
+  std::optional<ImportedRaster> imported_{};
   std::uint64_t n_file_bytes_;
 };
 

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "lode/io/height_hgt.h"
-#include "lode/io/netcdf_raster.h"
+#include "lode/io/imported_raster.h"
 #include "lode/io/point_reader.h"
 #include "lode/io/text.h"
 #include "lode/io/volume_reader.h"
@@ -95,7 +95,7 @@ bool is_height_path(const std::string& path) {
   constexpr std::array kSure{".tif", ".tiff", ".asc", ".png", ".dem", ".bil",
                              ".flt", ".dt0",  ".dt1", ".dt2", ".jp2", ".sdat",
                              ".nc",  ".nc4",  ".cdf", ".grd", ".bt",  ".vrt"};
-  if (ends_with_any(name, kSure)) return true;
+  if (ends_with_any(name, kSure) || is_imported_path(path)) return true;
   constexpr std::array kOfEnvi{".img", ".dat", ".bip", ".bsq"};
   if (ends_with_any(name, kOfEnvi) && has_envi_header(path)) return true;
   if (name.ends_with(".img")) return is_erdas(path);

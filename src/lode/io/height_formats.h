@@ -20,14 +20,15 @@ inline constexpr const char* kRasterFormats =
     "Surfer or BT raster, a VRT of those, or netCDF";
 
 /// Of what GDAL is to open in this process: refuses, saying why, netCDF, which as HDF5 may name
-/// other files, and of which GDAL's driver does not survive damaged ones (netcdf_raster.h reads
+/// other files, and of which GDAL's driver does not survive damaged ones (imported_raster.h reads
 /// it); and SAGA grids whose heights are a multiple of what they store, which GDAL does not heed.
 [[nodiscard]] Result<void> check_raster_kind(const std::string& path);
 
 /// Whether a file is a raster of heights. By its name: .tif, .tiff, .asc, .hgt, .hgt.gz, .png,
 /// .dem, .bil, .flt, .dt0, .dt1, .dt2, .jp2, .sdat, .grd, .bt, .vrt, .nc, .nc4 and .cdf (any
-/// case). By name and content: .img of ERDAS, and .img, .dat, .bip and .bsq beside a header of
-/// ENVI. By content alone: a TIFF, or netCDF, whose name says nothing else.
+/// case), and what is_imported_path() says. By name and content: .img of ERDAS, and .img, .dat,
+/// .bip and .bsq beside a header of ENVI. By content alone: a TIFF, or netCDF, whose name says
+/// nothing else.
 [[nodiscard]] bool is_height_path(const std::string& path);
 
 }  // namespace lode::io

@@ -58,7 +58,7 @@ struct HeightRaster {
 };
 
 /// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL,
-/// of netCDF what import_netcdf() makes of it.
+/// of netCDF what import_raster() makes of it.
 /// Samples are taken at the middle of pixels, wherever AREA_OR_POINT says that the file's position
 /// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Heights
 /// are in the unit of the CRS's vertical part, where it has one, and set_vertical() is done. Fails,

@@ -19,7 +19,7 @@ set(IO_HEIGHT_SOURCES
   point_reader.cpp
   point_text.cpp
   line_file.cpp
-  netcdf_raster.cpp
+  imported_raster.cpp
   polygon_file.cpp
   vector_input.cpp
   proj_library.cpp

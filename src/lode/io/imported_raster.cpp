@@ -1,5 +1,7 @@
-#include "lode/io/netcdf_raster.h"
+#include "lode/io/imported_raster.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,14 +18,14 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr const char* kNetcdfImporter = "lode-raster-import";
+constexpr const char* kImporter = "lode-raster-import";
 /// 128 and more are signals, as a shell says it.
 constexpr int kFirstSignal = 128;
 /// Of the loader, as of a shell.
 constexpr int kNotLoaded = 127;
 
 std::vector<std::string> import_words(const std::string& program, const std::string& path,
-                                      const NetcdfChoice& choice) {
+                                      const ImportChoice& choice) {
   // What starts with a dash would be an option.
   std::vector<std::string> words{program, std::filesystem::absolute(path).string(),
                                  "/proc/self/fd/3"};
@@ -40,14 +42,16 @@ struct Said {
   std::uint64_t n_bytes = 0;
 };
 
-void take_line(const std::string& line, NetcdfRaster& raster, Said& said, Progress& progress) {
+void take_line(const std::string& line, ImportedRaster& raster, Said& said, Progress& progress) {
   const std::size_t blank = line.find(' ');
   const std::string_view key = std::string_view(line).substr(0, blank);
   const std::string rest = blank == std::string::npos ? "" : line.substr(blank + 1);
   if (key == "progress") {
-    progress.report("copying netCDF", to_double(rest).value_or(0), said.n_bytes);
+    progress.report("copying the raster", to_double(rest).value_or(0), said.n_bytes);
   } else if (key == "bytes") {
     said.n_bytes = static_cast<std::uint64_t>(to_int64(rest).value_or(0));
+  } else if (key == "format") {
+    raster.format = rest;
   } else if (key == "crs") {
     raster.crs = rest;
   } else if (key == "degrees") {
@@ -61,9 +65,9 @@ void take_line(const std::string& line, NetcdfRaster& raster, Said& said, Progre
   }
 }
 
-Result<void> run_netcdf_importer(const std::string& path, const std::vector<std::string>& words,
-                                 const NetcdfProgram& program, NetcdfRaster& raster,
-                                 Progress& progress) {
+Result<void> run_importer(const std::string& path, const std::vector<std::string>& words,
+                          const ImportProgram& program, ImportedRaster& raster,
+                          Progress& progress) {
   LODE_TRY(ChildProgram child,
            ChildProgram::start(words, ChildErrors::dropped, raster.copy.descriptor()));
   Said said;
@@ -71,8 +75,8 @@ Result<void> run_netcdf_importer(const std::string& path, const std::vector<std:
     auto line = child.read_line(progress, program.patience);
     if (!line && progress.is_cancelled()) return line.error();
     if (!line)
-      return fail("{}: expected netCDF that {} can read, which was ended: {}", path,
-                  kNetcdfImporter, line.error().message);
+      return fail("{}: expected a raster that {} can read, which was ended: {}", path, kImporter,
+                  line.error().message);
     if (!*line) break;
     take_line(**line, raster, said, progress);
   }
@@ -81,19 +85,20 @@ Result<void> run_netcdf_importer(const std::string& path, const std::vector<std:
   if (exit_code == 0) return {};
   if (exit_code == kNotLoaded)
     return fail(
-        "{}: expected the program {} to start, which reads netCDF, but one of the libraries "
+        "{}: expected the program {} to start, which reads such rasters, but one of the libraries "
         "it needs is not there",
         path, words[0]);
   if (exit_code > kFirstSignal)
     return fail(
-        "{}: expected netCDF that {} can read, got a crash of it ({}): the file may be "
+        "{}: expected a raster that {} can read, got a crash of it ({}): the file may be "
         "damaged",
-        path, kNetcdfImporter, ::strsignal(exit_code - kFirstSignal));
+        path, kImporter, ::strsignal(exit_code - kFirstSignal));
   return fail("{}: {}", path,
-              said.error.empty() ? fmt::format("expected netCDF that {} can read, which ended with "
-                                               "exit code {}",
-                                               kNetcdfImporter, exit_code)
-                                 : said.error);
+              said.error.empty()
+                  ? fmt::format("expected a raster that {} can read, which ended with "
+                                "exit code {}",
+                                kImporter, exit_code)
+                  : said.error);
 }
 
 }  // namespace
@@ -110,26 +115,36 @@ bool is_netcdf(const std::string& path) {
          head.starts_with("CDF\5"sv) || head == "\x89HDF\r\n\x1a\n"sv;
 }
 
-std::string NetcdfRaster::name() const {
+bool is_imported_path(const std::string& path) {
+  constexpr std::array kExtensions{
+      ".ntf", ".nitf", ".gpkg", ".grb", ".grib",   ".grb2",   ".grib2",  ".adf",   ".ers",
+      ".rst", ".gtx",  ".lcp",  ".ter", ".hfz",    ".map",    ".mpr",    ".cub",   ".lbl",
+      ".pix", ".isg",  ".blx",  ".kro", ".sigdem", ".asc.gz", ".dem.gz", ".tif.gz"};
+  const std::string name = to_lower(path);
+  return std::ranges::any_of(kExtensions,
+                             [&](const char* extension) { return name.ends_with(extension); });
+}
+
+std::string ImportedRaster::name() const {
   return fmt::format("/proc/self/fd/{}", copy.descriptor());
 }
 
-Result<NetcdfRaster> import_netcdf(const std::string& path, const NetcdfChoice& choice,
-                                   Progress& progress, const NetcdfProgram& program) {
+Result<ImportedRaster> import_raster(const std::string& path, const ImportChoice& choice,
+                                     Progress& progress, const ImportProgram& program) {
   const std::string found =
-      program.path.empty() ? find_program(kNetcdfImporter).value_or("") : program.path;
+      program.path.empty() ? find_program(kImporter).value_or("") : program.path;
   if (found.empty())
-    return fail("{}: expected the program {}, which reads netCDF, beside lode or in PATH, got none",
-                path, kNetcdfImporter);
+    return fail(
+        "{}: expected the program {}, which reads such rasters, beside lode or in PATH, got none",
+        path, kImporter);
   std::error_code status;
   const std::string directory = std::filesystem::temp_directory_path(status).string();
   if (status)
     return fail("{}: expected a directory for a temporary copy (TMPDIR), got: {}", path,
                 status.message());
   LODE_TRY(SpoolFile copy, SpoolFile::create(directory, std::make_shared<IoTally>()));
-  NetcdfRaster raster{.copy = std::move(copy)};
-  LODE_CHECK(
-      run_netcdf_importer(path, import_words(found, path, choice), program, raster, progress));
+  ImportedRaster raster{.copy = std::move(copy)};
+  LODE_CHECK(run_importer(path, import_words(found, path, choice), program, raster, progress));
   return raster;
 }
 
