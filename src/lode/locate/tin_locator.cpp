@@ -158,4 +158,12 @@ std::optional<std::uint32_t> TinLocator::find(const Point& p) const {
   return first_with(near, p);
 }
 
+std::vector<std::uint32_t> TinLocator::find_all(const Point& p) const {
+  std::vector<std::uint32_t> all;
+  if (!is_in_rectangle(p)) return all;
+  for (const std::uint32_t one : triangles_in(square_of(p)))
+    if (holds(one, p)) all.push_back(one);
+  return all;
+}
+
 }  // namespace lode

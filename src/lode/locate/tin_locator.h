@@ -28,6 +28,9 @@ class TinLocator {
   /// the domain.
   [[nodiscard]] std::optional<std::uint32_t> find(const delaunay::Point& p) const;
 
+  /// All of them, in their order. O(those of p's square).
+  [[nodiscard]] std::vector<std::uint32_t> find_all(const delaunay::Point& p) const;
+
   [[nodiscard]] const delaunay::Tin& tin() const { return tin_; }
   /// Whether the closed triangle holds p, exactly.
   [[nodiscard]] bool holds(std::uint32_t triangle, const delaunay::Point& p) const;
