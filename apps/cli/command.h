@@ -71,6 +71,7 @@ struct Command {
 [[nodiscard]] Command add_extract_command(CLI::App& program);
 [[nodiscard]] Command add_probe_command(CLI::App& program);
 [[nodiscard]] Command add_height_command(CLI::App& program);
+[[nodiscard]] Command add_neighbours_command(CLI::App& program);
 [[nodiscard]] Command add_compare_command(CLI::App& program);
 [[nodiscard]] Command add_profile_command(CLI::App& program);
 [[nodiscard]] Command add_contours_command(CLI::App& program);

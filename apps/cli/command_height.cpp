@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "asked_places.h"
 #include "command.h"
 #include "outputs.h"
-#include "place_file.h"
 #include "places_crs.h"
 #include "stopwatch.h"
 #include "terrain_query.h"
@@ -16,33 +16,18 @@ namespace {
 
 struct HeightArguments {
   TerrainQueryArguments terrain;
-  std::string points_file;
-  std::vector<std::string> places;
-  std::string places_crs;
+  AskedPlaces places;
   std::string output;
 };
-
-Result<std::vector<Place>> typed_places(const HeightArguments& arguments) {
-  std::vector<Place> places;
-  for (const std::string& text : arguments.places) {
-    LODE_TRY(const Place place, parse_place("--at", text));
-    places.push_back(place);
-  }
-  return places;
-}
 
 Result<void> check_height(const HeightArguments& arguments) {
   LODE_CHECK(check_terrain_query(arguments.terrain,
                                  "values in meshes of cells are found by lode probe --points"));
-  if (auto places = typed_places(arguments); !places) return places.error();
-  if (arguments.places.empty() && arguments.points_file.empty())
-    return fail("{}: expected POINTS.csv or --at X,Y, got neither", arguments.terrain.input);
-  LODE_CHECK(check_places_crs(arguments.places_crs));
-  std::vector<std::string> inputs{arguments.terrain.input};
-  if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
+  LODE_CHECK(check_asked_places(arguments.places, arguments.terrain.input));
   if (arguments.output.empty()) return {};
   LODE_CHECK(check_extension(arguments.output, ".csv"));
-  return check_paths_differ(inputs, {arguments.output});
+  return check_paths_differ(asked_inputs(arguments.places, arguments.terrain.input),
+                            {arguments.output});
 }
 
 struct HeightAnswer {
@@ -55,11 +40,6 @@ struct HeightAnswer {
 
   [[nodiscard]] const char* bound_kind() const { return bound_kind_of(answerer.tin.report()); }
 };
-
-const char* status_name(TerrainHeight::Where where) {
-  if (where == TerrainHeight::Where::inside) return "inside";
-  return where == TerrainHeight::Where::gap ? "gap" : "outside";
-}
 
 std::string height_csv(const HeightAnswer& answer) {
   std::string text = "x,y,height,bound,bound_kind\n";
@@ -140,15 +120,11 @@ Outcome outcome_of(const HeightAnswer& answer, Session& session) {
 }
 
 Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
-  LODE_TRY(std::vector<Place> places, typed_places(arguments));
   if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
-  if (!arguments.points_file.empty()) {
-    LODE_TRY(const std::vector<Place> more, read_places(arguments.points_file));
-    places.insert(places.end(), more.begin(), more.end());
-  }
+  LODE_TRY(const std::vector<Place> places, read_asked_places(arguments.places));
   LODE_TRY(const TerrainAnswerer answerer,
            answer_terrain(arguments.terrain, session, {}, TinUse::places));
-  LODE_TRY(const auto source, open_places_crs(arguments.places_crs, arguments.terrain.input,
+  LODE_TRY(const auto source, open_places_crs(arguments.places.crs, arguments.terrain.input,
                                               answerer.opened.facts.frame, session));
   LODE_TRY(const std::vector<Place> asked, places_of_terrain(places, source));
   std::vector<TerrainHeight> heights;
@@ -186,12 +162,7 @@ Command add_height_command(CLI::App& program) {
       "  lode height utm.tif gps.csv --places-crs EPSG:4326 --max-error 1");
   add_terrain_query(*app, arguments->terrain);
   add_everywhere(*app, arguments->terrain);
-  app->add_option("points", arguments->points_file, "Places: x and y a line")
-      ->type_name("POINTS.csv");
-  app->add_option("--at", arguments->places, "A place; may be repeated")
-      ->type_name("X,Y")
-      ->allow_extra_args(false);
-  add_places_crs(*app, arguments->places_crs, "the places");
+  add_asked_places(*app, arguments->places);
   app->add_option("-o,--output,--out", arguments->output, "Write x,y,height,bound,bound_kind")
       ->type_name("OUT.csv");
   return {app, [arguments] { return check_height(*arguments); },

@@ -172,12 +172,12 @@ int run_program(const std::vector<std::string>& arguments) {
   program.footer("lode COMMAND --help says more, with an example.");
   CommonOptions options;
   std::vector<Command> commands{
-      add_info_command(program),     add_build_command(program),   add_attach_command(program),
-      add_count_command(program),    add_extract_command(program), add_probe_command(program),
-      add_height_command(program),   add_profile_command(program), add_contours_command(program),
-      add_features_command(program), add_sight_command(program),   add_verify_command(program),
-      add_render_command(program),   add_tiles_command(program),   add_compare_command(program),
-      add_bench_command(program)};
+      add_info_command(program),     add_build_command(program),      add_attach_command(program),
+      add_count_command(program),    add_extract_command(program),    add_probe_command(program),
+      add_height_command(program),   add_neighbours_command(program), add_profile_command(program),
+      add_contours_command(program), add_features_command(program),   add_sight_command(program),
+      add_verify_command(program),   add_render_command(program),     add_tiles_command(program),
+      add_compare_command(program),  add_bench_command(program)};
   for (const Command& command : commands) add_common_options(*command.app, options);
   std::string topic;
   CLI::App* help = program.add_subcommand("help", "Explain a command");

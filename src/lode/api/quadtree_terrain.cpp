@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 #include <utility>
 
+#include "lode/api/quadtree_demand.h"
 #include "lode/api/quadtree_patches.h"
 #include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
@@ -13,47 +13,13 @@
 #include "lode/delaunay/triangle_error.h"
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
-#include "lode/refine/surface_facts.h"
 
 namespace lode {
 
 using quadtree_file::QuadtreeModel;
-using quaternary_triangulation::HalfSquare;
 using quaternary_triangulation::QuaternaryTriangulation;
-using squares::Square;
 using squares::SquareDomain;
 using surface_quadtree::SurfaceQuadtree;
-
-namespace {
-
-/// What a demand sees of a polygon between samples: its error, and where it is in the world.
-NodeFacts facts_of(const SquareDomain& domain, const terrain_file::Source& source,
-                   std::span<const LatticePoint> corners, double error) {
-  SurfacePatch patch;
-  for (const LatticePoint p : corners) {
-    const Vec<double, 2> at = source.frame.world(p.x, p.y);
-    patch.add({{at[0], at[1], domain.height(p.x, p.y)}});
-  }
-  return patch.facts(error, {source.range.lower, source.range.upper});
-}
-
-/// The ends of the diagonal from the lower left, then the upper left and the lower right.
-std::array<LatticePoint, 4> corners_of(const Square& square) {
-  const LatticePoint a{square.x(), square.y()};
-  const LatticePoint c{a.x + square.side(), a.y + square.side()};
-  return {a, c, LatticePoint{a.x, c.y}, LatticePoint{c.x, a.y}};
-}
-
-std::array<LatticePoint, 3> corners_of(const HalfSquare& half) {
-  const auto all = corners_of(half.square);
-  return {all[0], all[1], half.is_upper ? all[2] : all[3]};
-}
-
-bool wants(const Demand& demand, const NodeFacts& facts) {
-  return demand.touches(facts) && demand(facts) > 0;
-}
-
-}  // namespace
 
 Result<QuadtreeTerrain> QuadtreeTerrain::build(const HeightGrid& grid,
                                                const TerrainBuildOptions& options,
@@ -92,15 +58,9 @@ const SquareDomain& QuadtreeTerrain::domain() const { return domain_of(model_); 
 
 delaunay::Tin QuadtreeTerrain::tin_of(const Demand& demand) const {
   if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
-    return to_tin(*tree, tree->leaves([&](const Square& square) {
-      return wants(demand, facts_of(domain(), source(), corners_of(square),
-                                    static_cast<double>(tree->error(square))));
-    }));
-  const auto& tree = std::get<QuaternaryTriangulation>(model_.tree);
-  return to_tin(tree, tree.leaves([&](const HalfSquare& triangle) {
-    return wants(demand, facts_of(domain(), source(), corners_of(triangle),
-                                  static_cast<double>(tree.error(triangle))));
-  }));
+    return tin_of_demand(*tree, source().frame, source().range, demand);
+  return tin_of_demand(std::get<QuaternaryTriangulation>(model_.tree), source().frame,
+                       source().range, demand);
 }
 
 void QuadtreeTerrain::measure_errors(delaunay::Tin& tin) const {
@@ -149,6 +109,16 @@ Result<SelectedTerrain> QuadtreeTerrain::select_mesh(const TerrainOptions& optio
     LODE_TRY(selected.tin, tin_within(report.max_error, progress));
   }
   count_selection(source(), selected);
+  return selected;
+}
+
+Result<SelectedTerrain> QuadtreeTerrain::select_triangles(const TerrainOptions& options,
+                                                          Progress& progress) const {
+  LODE_TRY(SelectedTerrain selected, select(options, delaunay::TinLinks::left_out, progress));
+  const Stopwatch watch;
+  measure_errors(selected.tin);
+  selected.tin.twins = delaunay::find_twins(selected.tin.triangles);
+  selected.report.seconds += watch.seconds();
   return selected;
 }
 

@@ -30,6 +30,8 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override;
+  [[nodiscard]] Result<SelectedTerrain> select_triangles(const TerrainOptions& options,
+                                                         Progress& progress) const override;
   [[nodiscard]] Result<std::shared_ptr<const TerrainPatches>> patches(
       const TerrainOptions& options, Progress& progress) const override;
   [[nodiscard]] Result<SelectedTerrain> select_all(Progress& progress) const override;

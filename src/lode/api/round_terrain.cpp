@@ -22,16 +22,22 @@ std::optional<std::int32_t> first_row_of_others(const HeightGrid& grid, std::int
   return std::nullopt;
 }
 
-/// How many columns go into a turn, of a raster in longitudes from west to east; nothing of others.
-std::optional<std::int32_t> columns_in_turn(const HeightGrid& grid,
-                                            const HorizontalMetric& metric) {
-  const std::array<double, 6>& g = grid.to_world;
-  if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return std::nullopt;
-  if (!is_longitude(metric, g[0])) return std::nullopt;
+/// How many columns from west to east go into a turn; 0 where it is no whole number, or there are
+/// none.
+double steps_of_turn(const HeightFrame& frame, const HorizontalMetric& metric) {
+  const std::array<double, 6>& g = frame.to_world;
+  if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return 0;
+  if (!is_longitude(metric, g[0])) return 0;
   const double n = std::round(whole_turn(metric) / g[1]);
   constexpr double kSteps = 1e-3;  // That the seam may differ from others by.
-  if (!(n >= 3) || std::abs(n * g[1] - whole_turn(metric)) > kSteps * g[1]) return std::nullopt;
-  if (grid.n_columns != n && grid.n_columns != n + 1) return std::nullopt;
+  return n >= 3 && std::abs(n * g[1] - whole_turn(metric)) <= kSteps * g[1] ? n : 0;
+}
+
+/// The same of a raster with as many columns, or one more; nothing of others.
+std::optional<std::int32_t> columns_in_turn(const HeightGrid& grid,
+                                            const HorizontalMetric& metric) {
+  const double n = steps_of_turn(grid, metric);
+  if (n == 0 || (grid.n_columns != n && grid.n_columns != n + 1)) return std::nullopt;
   return static_cast<std::int32_t>(n);
 }
 
@@ -58,6 +64,10 @@ std::optional<std::int32_t> first_row_apart(const HeightGrid& grid,
   const auto n = columns_in_turn(grid, metric);
   if (!n || grid.n_columns == *n) return std::nullopt;
   return first_row_of_others(grid, 0, grid.n_columns - 1);
+}
+
+std::int32_t columns_between_turns(const HeightFrame& frame, const HorizontalMetric& metric) {
+  return frame.n_columns - 1 == steps_of_turn(frame, metric) ? frame.n_columns - 1 : 0;
 }
 
 HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longitude) {

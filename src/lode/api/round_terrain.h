@@ -33,6 +33,11 @@ namespace lode {
 [[nodiscard]] std::optional<std::int32_t> first_row_apart(const HeightGrid& grid,
                                                           const HorizontalMetric& metric);
 
+/// Columns from a terrain's first to its last, where these are a whole turn apart and so one place;
+/// else 0.
+[[nodiscard]] std::int32_t columns_between_turns(const HeightFrame& frame,
+                                                 const HorizontalMetric& metric);
+
 /// Such a raster from the column at a longitude (is_longitude()), or the next to its west, all the
 /// way round to that column once more: so a way that begins there and is no longer than a turn does
 /// not leave it.

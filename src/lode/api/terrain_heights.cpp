@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <atomic>
 #include <new>
-#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "lode/api/round_terrain.h"
 #include "lode/api/terrain_tin_impl.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
@@ -71,21 +71,14 @@ class HeightFinder {
     if (terrain_.patches) {
       if (const auto z = terrain_.patches->height_at(at))
         return {TerrainHeight::Where::inside, z->height, z->error + z->rounding};
-      return off_terrain(at);
+      return {terrain_.where_off(at)};
     }
     if (const auto triangle = finder_->find(at)) {
       const TinHeight z = height_in(*tin_, *triangle, at);
       return {TerrainHeight::Where::inside, z.height,
               terrain_.error_bound(static_cast<double>(tin_->errors[*triangle])) + z.rounding};
     }
-    return off_terrain(at);
-  }
-
-  [[nodiscard]] TerrainHeight off_terrain(const Place& at) const {
-    const HeightFrame& frame = terrain_.frame;
-    const bool is_in_raster =
-        at[0] >= 0 && at[1] >= 0 && at[0] <= frame.n_columns - 1 && at[1] <= frame.n_rows - 1;
-    return {is_in_raster ? TerrainHeight::Where::gap : TerrainHeight::Where::outside};
+    return {terrain_.where_off(at)};
   }
 
   const TerrainTin::Impl& terrain_;
@@ -97,22 +90,27 @@ class HeightFinder {
   const PlaceFinder* finder_ = nullptr;
 };
 
-/// Columns and rows of a place: of the longitudes that are one the first in the raster.
-Place find_place(const TerrainTin::Impl& tin, const Place& world) {
-  const Place at = tin.to_lattice(world);
-  if (!tin.metric.ellipsoid || tin.is_in_rectangle(at)) return at;
-  const double turn = 2 * std::numbers::pi / tin.metric.angle_unit;
-  for (const double shift : {turn, -turn}) {
-    const Place other = tin.to_lattice({{world[0] + shift, world[1]}});
-    if (tin.is_in_rectangle(other)) return other;
-  }
-  return at;
-}
-
 /// More places are looked for in all of the mesh.
 constexpr std::size_t kFewPlaces = 4096;
 
 }  // namespace
+
+Place TerrainTin::Impl::find_place(const Place& world) const {
+  const Place at = to_lattice(world);
+  if (!metric.ellipsoid || is_in_rectangle(at)) return at;
+  const double turn = whole_turn(metric);
+  for (const double shift : {turn, -turn}) {
+    const Place other = to_lattice({{world[0] + shift, world[1]}});
+    if (is_in_rectangle(other)) return other;
+  }
+  return at;
+}
+
+TerrainHeight::Where TerrainTin::Impl::where_off(const Place& at) const {
+  const bool is_in_raster =
+      at[0] >= 0 && at[1] >= 0 && at[0] <= frame.n_columns - 1 && at[1] <= frame.n_rows - 1;
+  return is_in_raster ? TerrainHeight::Where::gap : TerrainHeight::Where::outside;
+}
 
 Result<HeightsReport> TerrainTin::heights(std::span<const Place> places,
                                           std::vector<TerrainHeight>& heights, Threads threads,
@@ -121,7 +119,7 @@ Result<HeightsReport> TerrainTin::heights(std::span<const Place> places,
   const Stopwatch preparing;
   std::vector<Place> at(places.size());
   parallel_for(places.size(), threads, kPlacesAtOnce,
-               [&](std::size_t i, int) { at[i] = find_place(*impl_, places[i]); });
+               [&](std::size_t i, int) { at[i] = impl_->find_place(places[i]); });
   heights.assign(places.size(), {});
   HeightFinder finder(*impl_, at, heights, threads, progress);
   if (impl_->parts && places.size() > kFewPlaces) {

@@ -71,6 +71,11 @@ Result<std::optional<delaunay::Tin>> TerrainParts::within(const delaunay::Point&
   return std::optional<delaunay::Tin>();
 }
 
+Result<SelectedTerrain> TerrainOrigin::select_triangles(const TerrainOptions& options,
+                                                        Progress& progress) const {
+  return select(options, delaunay::TinLinks::kept, progress);
+}
+
 Result<std::shared_ptr<const TerrainParts>> TerrainOrigin::parts(
     const TerrainOptions& /*options*/) const {
   return std::shared_ptr<const TerrainParts>{};

@@ -88,6 +88,10 @@ class TerrainOrigin {
   [[nodiscard]] virtual Result<SelectedTerrain> select(const TerrainOptions& options,
                                                        delaunay::TinLinks links,
                                                        Progress& progress) const = 0;
+  /// The same with twins and errors, though triangles leave gaps: those that have not the whole
+  /// edge in common have no twin there.
+  [[nodiscard]] virtual Result<SelectedTerrain> select_triangles(const TerrainOptions& options,
+                                                                 Progress& progress) const;
   /// The mesh that select() would make, where it has one in parts, else null. Fails as select()
   /// does.
   [[nodiscard]] virtual Result<std::shared_ptr<const TerrainParts>> parts(

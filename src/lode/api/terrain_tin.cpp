@@ -92,7 +92,9 @@ Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptio
     }
   }
   LODE_TRY(SelectedTerrain selected,
-           terrain.origin().select(options, delaunay::TinLinks::kept, progress));
+           use == TinUse::triangles
+               ? terrain.origin().select_triangles(options, progress)
+               : terrain.origin().select(options, delaunay::TinLinks::kept, progress));
   if (options.samples) LODE_CHECK(hold_everywhere(terrain, options, selected, progress));
   impl->report = selected.report;
   impl->tin = std::move(selected.tin);

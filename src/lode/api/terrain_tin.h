@@ -83,13 +83,17 @@ struct TerrainBands {
   double seconds = 0;
 };
 
+struct NeighboursOptions;
+struct NeighboursReport;
+struct TerrainNeighbours;
 struct TerrainSight;
 struct TerrainSightOptions;
 
 /// What a TIN is asked for. places: heights(), profile() and sight() alone; of a model in a file
 /// they then read what is near the places, where that is less, and find the same; of one whose
-/// triangles leave gaps there is no other use, and its own surfaces are asked (TerrainPatches).
-enum class TinUse : std::uint8_t { all, places };
+/// triangles leave gaps there is no use all, and its own surfaces are asked (TerrainPatches).
+/// triangles: neighbours() and height_range() alone, of any model.
+enum class TinUse : std::uint8_t { all, places, triangles };
 
 /// A TIN of a terrain, to ask of. Const members are safe from many threads.
 class TerrainTin {
@@ -127,6 +131,15 @@ class TerrainTin {
   /// The same of bands: see find_bands() in mappers/tin_bands.h.
   [[nodiscard]] Result<TerrainBands> bands(std::span<const double> heights,
                                            Progress& progress) const;
+
+  /// Of finite places; fills as many answers. Triangles that meet edge to edge are neighbours, and
+  /// where vertices hang in an edge all that have a part of it; so are those on both sides of a
+  /// seam, where first and last column are one. Not of TinUse::places. Fails where answers have
+  /// more triangles than the options allow, and when cancelled.
+  [[nodiscard]] Result<NeighboursReport> neighbours(std::span<const Place> places,
+                                                    const NeighboursOptions& options,
+                                                    std::vector<TerrainNeighbours>& answers,
+                                                    Progress& progress) const;
 
   /// See find_terrain_sight(): at this tolerance.
   [[nodiscard]] Result<TerrainSight> sight(const TerrainSightOptions& options,

@@ -11,6 +11,7 @@
 #include "lode/api/terrain_source.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/locate/tin_locator.h"
+#include "lode/locate/tin_neighbours.h"
 #include "lode/locate/tin_profile.h"
 
 namespace lode {
@@ -23,6 +24,9 @@ class PlaceFinder {
   }
   [[nodiscard]] std::optional<std::uint32_t> find(const delaunay::Point& at) const {
     return locator_ ? locator_->find(at) : std::nullopt;
+  }
+  [[nodiscard]] std::vector<std::uint32_t> find_all(const delaunay::Point& at) const {
+    return locator_ ? locator_->find_all(at) : std::vector<std::uint32_t>();
   }
 
  private:
@@ -44,12 +48,18 @@ struct TerrainTin::Impl {
   delaunay::LatticePoint upper{};
   mutable std::once_flag has_finder{};
   mutable std::unique_ptr<PlaceFinder> made_finder{};
+  mutable std::once_flag has_neighbours{};
+  mutable std::unique_ptr<TinNeighbours> made_neighbours{};
 
   /// Made when first asked for. Of the TIN.
   [[nodiscard]] const PlaceFinder& finder() const {
     std::call_once(has_finder, [this] { made_finder = std::make_unique<PlaceFinder>(tin); });
     return *made_finder;
   }
+  /// The same of what lies beside its triangles.
+  [[nodiscard]] const TinNeighbours& neighbours() const;
+  /// The column that is column 0 again, where the terrain goes round the earth to it; else 0.
+  [[nodiscard]] std::int32_t period() const;
   /// Finds the rectangle of the TIN.
   void find_rectangle();
   [[nodiscard]] bool is_in_rectangle(const delaunay::Point& at) const {
@@ -68,6 +78,10 @@ struct TerrainTin::Impl {
   [[nodiscard]] Place to_lattice(const Place& world) const {
     return frame.snapped_lattice(world[0], world[1]);
   }
+  /// The same: of the longitudes that are one the first in the raster.
+  [[nodiscard]] Place find_place(const Place& world) const;
+  /// Of a column and row that no triangle holds.
+  [[nodiscard]] TerrainHeight::Where where_off(const Place& at) const;
 };
 
 }  // namespace lode

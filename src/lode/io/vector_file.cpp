@@ -193,11 +193,21 @@ Result<VectorWriter> VectorWriter::create(const std::string& path,
 }
 
 Result<void> VectorWriter::add(std::span<const double> values, std::span<const Points> parts) try {
+  std::vector<VectorValue> all;
+  all.reserve(values.size());
+  for (const double value : values) all.emplace_back(value);
+  return add(all, parts);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", impl_->path);
+}
+
+Result<void> VectorWriter::add(std::span<const VectorValue> values,
+                               std::span<const Points> parts) try {
   const GdalLibrary& gdal = *impl_->gdal;
   OGRLayerH layer = impl_->layers.front();
   OGRFeatureH feature = gdal.new_feature(gdal.layer_definition(layer));
   for (std::size_t i = 0; i < values.size(); ++i)
-    gdal.set_number(feature, static_cast<int>(i), values[i]);
+    impl_->set_value(feature, static_cast<int>(i), values[i]);
   OGRGeometryH shape = nullptr;
   if (impl_->facts.front().shape == VectorShape::lines) {
     LODE_EXPECTS(parts.size() == 1);

@@ -60,6 +60,9 @@ class VectorWriter {
   /// To the first layer, which has no heights, as many values as columns. Of lines one run of
   /// points; of a polygon its outer ring, then its inner ones, each closed.
   [[nodiscard]] Result<void> add(std::span<const double> values, std::span<const Points> parts);
+  /// The same with values of any kind.
+  [[nodiscard]] Result<void> add(std::span<const VectorValue> values,
+                                 std::span<const Points> parts);
   /// One place is a point, several are a line; the third coordinate is its height.
   [[nodiscard]] Result<void> add(std::size_t layer, std::span<const VectorValue> values,
                                  std::span<const Vec3d> places);

@@ -43,12 +43,12 @@ TinNeighbours::LoneEdge TinNeighbours::lone_edge(std::uint32_t triangle, std::ui
   return one;
 }
 
-std::vector<TinNeighbours::Beside> TinNeighbours::beside(std::uint32_t triangle,
-                                                         std::uint32_t edge) const {
-  if (!tin_.twins.empty() && tin_.twins[triangle][edge] != delaunay::kNoHalfEdge) {
-    const std::uint32_t twin = tin_.twins[triangle][edge];
-    return {{twin / 4, twin % 4}};
-  }
+/// From low to high coordinates.
+template <typename Visit>
+void TinNeighbours::visit_beside(std::uint32_t triangle, std::uint32_t edge,
+                                 const Visit& visit) const {
+  if (!tin_.twins.empty() && tin_.twins[triangle][edge] != delaunay::kNoHalfEdge)
+    return visit(tin_.twins[triangle][edge]);
   const LoneEdge own = lone_edge(triangle, edge);
   const auto line_of = [](const LoneEdge& one) {
     return std::tuple(one.dx, one.dy, one.offset, one.is_left);
@@ -58,10 +58,17 @@ std::vector<TinNeighbours::Beside> TinNeighbours::beside(std::uint32_t triangle,
   auto at = std::ranges::partition_point(lone_, [&](const LoneEdge& one) {
     return line_of(one) < other_side || (line_of(one) == other_side && one.end <= own.begin);
   });
-  std::vector<Beside> found;
   for (; at != lone_.end() && line_of(*at) == other_side && at->begin < own.end; ++at)
-    found.push_back({at->half_edge / 4, at->half_edge % 4});
-  if (!own.is_left) std::ranges::reverse(found);
+    visit(at->half_edge);
+}
+
+std::vector<TinNeighbours::Beside> TinNeighbours::beside(std::uint32_t triangle,
+                                                         std::uint32_t edge) const {
+  std::vector<Beside> found;
+  visit_beside(triangle, edge, [&](std::uint32_t half_edge) {
+    found.push_back({half_edge / 4, half_edge % 4});
+  });
+  if (found.size() > 1 && !lone_edge(triangle, edge).is_left) std::ranges::reverse(found);
   return found;
 }
 
@@ -84,9 +91,10 @@ std::vector<RingTriangle> TinNeighbours::rings(std::vector<std::uint32_t> start,
     std::vector<std::uint32_t> next;
     for (const std::uint32_t t : ring)
       for (std::uint32_t edge = 0; edge < 3; ++edge)
-        for (const Beside& one : beside(t, edge))
-          if (!is_in(ring, one.triangle) && !is_in(last, one.triangle))
-            next.push_back(one.triangle);
+        visit_beside(t, edge, [&](std::uint32_t half_edge) {
+          const std::uint32_t other = half_edge / 4;
+          if (!is_in(ring, other) && !is_in(last, other)) next.push_back(other);
+        });
     make_set(next);
     last = std::exchange(ring, std::move(next));
   }

@@ -43,6 +43,8 @@ class TinNeighbours {
                                                 std::uint32_t n_rings) const;
 
  private:
+  template <typename Visit>
+  void visit_beside(std::uint32_t triangle, std::uint32_t edge, const Visit& visit) const;
   /// Of an edge without a twin: the line that it lies on, the side of it that its triangle is on,
   /// and from where to where, along whichever coordinate runs.
   struct LoneEdge {
