@@ -201,6 +201,10 @@ TEST_F(cli_neighbours, refuse_what_cannot_be_meant) {
   expect_refusal(run_lode({"neighbours", scratch_ / "nowhere.asc", "--at", at, "--out",
                            scratch_ / "near.geojson"}),
                  1, {"near.geojson", "CRS"});
+  for (const auto& [n_columns, n_rows] : {std::pair{1, 1}, {1, 9}, {9, 1}}) {
+    write_dem(scratch_ / "thin.asc", n_columns, n_rows);
+    expect_refusal(run_lode({"neighbours", scratch_ / "thin.asc", "--at", at}), 1, {"thin.asc"});
+  }
   write_ball(scratch_ / "ball.nrrd");
   expect_refusal(run_lode({"neighbours", scratch_ / "ball.nrrd", "--at", at}), 2,
                  {"ball.nrrd", "raster of heights"});
