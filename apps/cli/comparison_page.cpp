@@ -47,7 +47,7 @@ std::vector<Column> columns() {
       {"left out", [](const ComparedMesh& m) { return format_count(m.quality.n_uncovered); }},
       {"gaps",
        [number](const ComparedMesh& m) {
-         return m.gaps.n_hanging == 0 ? std::string("–")
+         return m.gaps.n_hanging == 0 ? std::string("none")
                                       : fmt::format("{}, up to {}", format_count(m.gaps.n_hanging),
                                                     number(m.gaps.largest));
        }},
@@ -103,6 +103,21 @@ std::string table_for(const TerrainComparison& comparison, std::size_t place) {
   return html + "</table>\n";
 }
 
+/// Why there is no value for what it lacks.
+std::string missing_text(const ComparedModel& model) {
+  if (model.missing.empty()) return {};
+  std::string html = "<br><span class=\"note\">–: ";
+  for (std::size_t i = 0; i < model.missing.size(); ++i) {
+    // One reason of several that follow each other is said once.
+    const bool goes_on =
+        i + 1 < model.missing.size() && model.missing[i + 1].why == model.missing[i].why;
+    html += escaped(model.missing[i].what);
+    html += goes_on ? ", " : fmt::format(" ({})", escaped(model.missing[i].why));
+    if (!goes_on && i + 1 < model.missing.size()) html += "; ";
+  }
+  return html + "</span>";
+}
+
 std::string models_list(const TerrainComparison& comparison) {
   std::string html = "<ul>\n";
   for (const ComparedModel& model : comparison.models) {
@@ -110,14 +125,18 @@ std::string models_list(const TerrainComparison& comparison) {
     if (model.build_seconds)
       html += fmt::format("; {} in {}", model.is_made_anew ? "all meshes made" : "built",
                           format_seconds(*model.build_seconds));
-    if (model.n_levels > 0) html += fmt::format("; {} levels", model.n_levels);
+    if (model.n_levels > 0)
+      html += fmt::format("; {} levels: {}", model.n_levels, escaped(model.levels_are));
     if (model.memory_bytes)
       html += fmt::format("; {} of memory", format_bytes(*model.memory_bytes));
     if (model.peak_bytes)
-      html += fmt::format("; building took {} at most", format_bytes(*model.peak_bytes));
+      html += fmt::format("; {} took {} at most",
+                          model.is_made_anew ? "making the finest mesh" : "building",
+                          format_bytes(*model.peak_bytes));
     if (model.file_bytes) html += fmt::format("; file of {}", format_bytes(*model.file_bytes));
     if (model.n_links) html += fmt::format("; {} links", format_count(*model.n_links));
     html += fmt::format("; neighbours: {}", escaped(model.neighbours));
+    html += missing_text(model);
     if (!model.refusal.empty())
       html += fmt::format("; <span class=\"no\">not run: {}</span>", escaped(model.refusal));
     html += "</li>\n";
@@ -234,10 +253,13 @@ Json comparison_json(const TerrainComparison& comparison) {
     json["is_made_anew"] = model.is_made_anew;
     json["neighbours"] = model.neighbours;
     json["levels"] = model.n_levels > 0 ? Json(model.n_levels) : Json(nullptr);
+    json["levels_are"] = model.levels_are.empty() ? Json(nullptr) : Json(model.levels_are);
     json["memory_bytes"] = model.memory_bytes ? Json(*model.memory_bytes) : Json(nullptr);
     json["peak_build_bytes"] = model.peak_bytes ? Json(*model.peak_bytes) : Json(nullptr);
     json["file_bytes"] = model.file_bytes ? Json(*model.file_bytes) : Json(nullptr);
     json["links"] = model.n_links ? Json(*model.n_links) : Json(nullptr);
+    Json& missing = json["missing"] = Json::object();
+    for (const auto& [what, why] : model.missing) missing[what] = why;
     json["meshes"] = Json::array();
     for (const ComparedMesh& mesh : model.meshes) json["meshes"].push_back(mesh_json(mesh));
     models.push_back(std::move(json));
@@ -259,15 +281,14 @@ std::string comparison_page(const TerrainComparison& comparison, const ComparedR
   html += models_list(comparison);
   html +=
       "<p class=\"note\">True errors are vertical, at all samples or points, measured on each mesh "
-      "by the "
-      "same "
-      "means; in red where beyond the tolerance. Left out: samples in no triangle. Variable: "
-      "within "
-      "the tolerance in the middle quarter, ten times outside. Contours: 20 levels. Heights: "
-      "random "
-      "places, one thread. Steps: a random walk from triangle to triangle, over edges, one thread. "
-      "Profile: along the diagonal. MB: triangles, what is beside them, errors "
-      "and vertices. Times are medians.</p>\n";
+      "by the same means; in red where beyond the tolerance. Left out: samples in no triangle. "
+      "Variable: within the tolerance in the middle, from 3/8 to 5/8 of columns and rows, a "
+      "sixteenth of the area, ten times outside. Zoom: the triangles that meet the same part, from "
+      "the model, without a mesh. Found: samples located in the model, one thread, without a mesh. "
+      "Contours: 20 levels. Heights: random places, one thread. Steps: a random walk from triangle "
+      "to triangle, over edges, one thread. Profile: along the diagonal. MB: triangles, what is "
+      "beside them, errors and vertices. Times are medians. – stands for what a model has not; "
+      "the list above says why.</p>\n";
   html += plots(comparison, raster.unit);
   // The selector is never refused.
   const std::size_t n = comparison.models.front().meshes.size();

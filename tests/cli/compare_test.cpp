@@ -64,12 +64,30 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_EQ(models[13].at("meshes")[1].at("hanging_vertices"), 0);
   EXPECT_EQ(models[14].at("name"), "right_triangle_bisection");
   EXPECT_NE(models[15].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
+  for (const auto& model : models) {
+    if (!model.at("refusal").is_null()) continue;
+    EXPECT_TRUE(model.at("peak_build_bytes").is_number()) << model.at("name");
+    EXPECT_EQ(model.at("memory_bytes").is_null(), model.at("missing").contains("memory"));
+    EXPECT_EQ(model.at("levels").is_null(), model.at("missing").contains("levels"));
+    EXPECT_NE(model.at("levels_are"), "");
+  }
+  EXPECT_NE(models[0].at("missing").at("memory").get<std::string>().find("nothing is kept"),
+            std::string::npos);
   const std::string html = read_bytes(page);
   EXPECT_TRUE(html.starts_with("<!doctype html>"));
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing outside the page";
   for (const char* part :
-       {"<svg", "Tolerance 50", "right_triangle_bisection", "not run: ", "M steps/s"})
+       {"<svg", "Tolerance 50", "right_triangle_bisection", "not run: ", "M steps/s",
+        "from 3/8 to 5/8 of columns and rows, a sixteenth", "making the finest mesh took",
+        "memory (nothing is kept", "levels: triangles nested in each other"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
+  EXPECT_EQ(html.find("middle quarter"), std::string::npos);
+  // A model with a dash in a table has its reasons in the list.
+  EXPECT_NE(html.find("<td>–</td>"), std::string::npos);
+  std::size_t n_reasons = 0;
+  for (std::size_t at = html.find(">–: "); at != std::string::npos; at = html.find(">–: ", at + 1))
+    ++n_reasons;
+  EXPECT_EQ(n_reasons, 15U) << "no model has all, and one is not run";
   const std::size_t begin = html.find("id=\"comparison\">") + 16;
   const auto kept = nlohmann::json::parse(html.substr(begin, html.find("</script>") - begin));
   EXPECT_EQ(kept.at("models"), models);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "lode/api/built_terrain.h"
 #include "lode/api/compared_terrain.h"
 #include "lode/api/edge_walk.h"
 #include "lode/delaunay/tin_links.h"
@@ -63,6 +64,41 @@ void expect_one_pyramid(const TerrainComparison& made) {
       EXPECT_EQ(other->meshes[i].zoom_triangles, pyramid.meshes[i].zoom_triangles);
   }
   EXPECT_LT(pyramid.meshes[2].variable_triangles, pyramid.meshes[2].triangles);
+}
+
+/// What has no value has a reason, and what has one has none.
+void expect_reasons(const TerrainComparison& made) {
+  for (const ComparedModel& model : made.models) {
+    SCOPED_TRACE(model.name);
+    const auto expect = [&](const char* what, bool is_there) {
+      const auto found = std::ranges::find(model.missing, what, &ComparedModel::Missing::what);
+      EXPECT_EQ(found == model.missing.end(), is_there) << what;
+      if (found != model.missing.end()) EXPECT_GT(found->why.size(), 5U) << what;
+    };
+    const auto all_have = [&](auto member) {
+      return std::ranges::all_of(
+          model.meshes, [&](const ComparedMesh& mesh) { return (mesh.*member).has_value(); });
+    };
+    expect("levels", model.n_levels > 0);
+    expect("memory", model.memory_bytes.has_value());
+    expect("building took", model.peak_bytes.has_value());
+    expect("file", model.file_bytes.has_value());
+    expect("links", model.n_links.has_value());
+    expect("variable", all_have(&ComparedMesh::variable_seconds));
+    expect("zoom", all_have(&ComparedMesh::zoom_seconds));
+    expect("found", all_have(&ComparedMesh::located_per_second));
+    expect("steps", all_have(&ComparedMesh::crossed_per_second));
+    expect("contours, profile", all_have(&ComparedMesh::profile_seconds));
+    // Whatever keeps something is known by its bytes, and making anything takes some.
+    const bool keeps_some = !model.is_made_anew;
+    EXPECT_EQ(model.memory_bytes.has_value(), keeps_some);
+    EXPECT_TRUE(model.peak_bytes);
+  }
+  for (const char* name : {"surface_quadtree", "quaternary_triangulation"}) {
+    const ComparedMesh& mesh = named(made, name).meshes[2];
+    EXPECT_LT(mesh.variable_triangles, mesh.triangles) << name;
+    EXPECT_GT(mesh.variable_triangles, named(made, name).meshes[0].triangles) << name;
+  }
 }
 
 /// Who keeps no neighbours says so; all others cross edges, and whatever there is took time to be
@@ -123,6 +159,50 @@ TEST(terrain_comparison, has_every_model_within_every_tolerance) {
   EXPECT_FALSE(named(made, "regular grid").meshes[0].variable_seconds);
   expect_one_pyramid(made);
   expect_neighbours(made);
+  expect_reasons(made);
+}
+
+TEST(terrain_comparison, has_the_levels_that_models_have_of_themselves) {
+  const HeightGrid grid = test::float_grid(90, 61, ridges);
+  Progress progress;
+  const TerrainComparison made = compared(grid, {20, 5});
+  for (const ComparedModel& model : made.models) {
+    SCOPED_TRACE(model.name);
+    EXPECT_FALSE(model.levels_are.empty());
+    const bool is_anew =
+        model.name.starts_with("delaunay_selector") || model.name == "regular grid";
+    EXPECT_EQ(model.n_levels == 0, is_anew);
+    EXPECT_EQ(model.levels_are.starts_with("none"), is_anew);
+  }
+  // Those of the model, whatever tolerances are asked for.
+  const auto implicit =
+      BuiltTerrain::build(grid, {.model = TerrainModel::implicit_delaunay_pyramid}, progress);
+  ASSERT_TRUE(implicit);
+  const auto info = implicit->describe(progress);
+  ASSERT_TRUE(info);
+  EXPECT_GT(info->levels.size(), 5U);
+  EXPECT_EQ(named(made, "implicit_delaunay_pyramid").n_levels,
+            static_cast<int>(info->levels.size()));
+  EXPECT_GT(named(made, "ternary_triangulation").n_levels, 4);
+  EXPECT_GT(named(compared(grid, {20, 1}), "ternary_triangulation").n_levels,
+            named(made, "ternary_triangulation").n_levels);
+  EXPECT_EQ(named(made, "complete_pyramid").n_levels, 2);
+  EXPECT_EQ(named(made, "adaptive_triangulation").n_levels, 2);
+  // 2^7 cells are the least power of two that is no less than 89.
+  for (const char* name : {"surface_quadtree", "quaternary_triangulation", "restricted_quadtree"})
+    EXPECT_EQ(named(made, name).n_levels, 8) << name;
+}
+
+TEST(terrain_comparison, measures_what_making_the_finest_mesh_takes) {
+  const TerrainComparison made = compared(test::float_grid(250, 250, ridges), {5, 0.1});
+  for (const char* name :
+       {"delaunay_selector", "delaunay_selector, strict", "restricted_quadtree", "regular grid"}) {
+    const ComparedModel& model = named(made, name);
+    ASSERT_TRUE(model.peak_bytes) << name;
+    // Corners of triangles and places of vertices at least; a few pages may have been there.
+    EXPECT_GT(*model.peak_bytes + (1 << 18), 12 * model.meshes[1].triangles) << name;
+    EXPECT_GT(12 * model.meshes[1].triangles, 1U << 19) << name;
+  }
 }
 
 TEST(terrain_comparison, runs_no_model_whose_links_take_more_than_the_limit) {

@@ -38,7 +38,9 @@ class ComparedBisection final : public TerrainCandidate {
   }
   [[nodiscard]] bool can_vary() const override { return true; }
   [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
-  [[nodiscard]] int n_levels() const override { return tree_->lattice().n_levels(); }
+  [[nodiscard]] ModelLevels levels() const override {
+    return {tree_->lattice().n_levels(), "steps between columns, each halved by two bisections"};
+  }
   /// Of the errors; heights are the raster's.
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return tree_->n_bytes();

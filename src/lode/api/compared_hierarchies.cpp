@@ -48,7 +48,9 @@ class HierarchyCandidate : public TerrainCandidate {
                   .stated_error = tolerance};
   }
   [[nodiscard]] std::optional<double> build_seconds() const final { return seconds_; }
-  [[nodiscard]] int n_levels() const final { return hierarchy().n_levels(); }
+  [[nodiscard]] ModelLevels levels() const final {
+    return {hierarchy().n_levels(), "meshes that it is built in, one for each tolerance"};
+  }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const final {
     return hierarchy().n_bytes() + chains_.n_bytes() + locator_->n_bytes();
   }

@@ -6,6 +6,7 @@
 #include "lode/api/point_terrain.h"
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/models/terrain/insertions/history_locator.h"
+#include "lode/models/terrain/ternary_triangulation/ternary_triangulation.h"
 #include "lode/refine/focus.h"
 
 namespace lode {
@@ -39,6 +40,19 @@ class Insertions final : public HistoryCandidate {
     return history().n_bytes() + locator_->n_bytes();
   }
   [[nodiscard]] Neighbours neighbours() const override { return sorted_twins(); }
+  [[nodiscard]] ModelLevels levels() const override {
+    switch (shared().model) {
+      case TerrainModel::ternary_triangulation:
+        return {static_cast<int>(ternary_triangulation::size_of(history()).n_levels),
+                "triangles nested in each other, at most"};
+      case TerrainModel::implicit_delaunay_pyramid:
+        return {static_cast<int>(history().level_ends.size()),
+                "its own, above the outline: insertions that do not depend on each other"};
+      default:
+        return {static_cast<int>(shared().levels.size()),
+                "tolerances that it was built for; it has all between, too"};
+    }
+  }
 
  private:
   Result<void> encode(Progress&) override {

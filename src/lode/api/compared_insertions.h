@@ -58,7 +58,11 @@ class HistoryCandidate : public TerrainCandidate {
   [[nodiscard]] std::optional<double> build_seconds() const final {
     return shared_->seconds + encoding_seconds_;
   }
-  [[nodiscard]] int n_levels() const final { return static_cast<int>(shared_->levels.size()); }
+  /// Of an encoding by levels.
+  [[nodiscard]] ModelLevels levels() const override {
+    return {static_cast<int>(shared_->levels.size()),
+            "meshes that it is built in, one for each tolerance"};
+  }
   [[nodiscard]] Result<std::optional<std::uint64_t>> zoom(double tolerance,
                                                           const TerrainWindow& window) final {
     return zoom_level(shared_->level_of(tolerance), delaunay::Window{window.lower, window.upper});

@@ -16,6 +16,16 @@ namespace {
 using delaunay_pyramid::EncodingLimit;
 using delaunay_pyramid::Interference;
 
+/// Of encodings by levels.
+std::string why_not_of_levels(ModelPart part) {
+  switch (part) {
+    case ModelPart::links: return "lists without them";
+    case ModelPart::variable:
+      return "meshes of whole levels do not meet where two of them are side by side";
+    default: return "without links nothing leads from a level to the next";
+  }
+}
+
 /// What an encoding takes beside the places and heights of its vertices, and these.
 std::uint64_t with_vertices(const insertions::History& history, std::uint64_t n_bytes) {
   return n_bytes + history.vertices.size() * (sizeof(delaunay::LatticePoint) + sizeof(double));
@@ -37,6 +47,9 @@ class Lists final : public HistoryCandidate {
   }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return with_vertices(history(), lists_->n_bytes());
+  }
+  [[nodiscard]] std::string why_not(ModelPart part) const override {
+    return why_not_of_levels(part);
   }
   [[nodiscard]] std::optional<std::uint64_t> n_links() const override {
     return has_links() ? std::optional(lists_->n_links()) : std::nullopt;
@@ -87,6 +100,9 @@ class Complete final : public HistoryCandidate {
   }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return with_vertices(history(), pyramid_->n_bytes());
+  }
+  [[nodiscard]] std::string why_not(ModelPart part) const override {
+    return why_not_of_levels(part);
   }
   [[nodiscard]] std::optional<std::uint64_t> n_links() const override {
     return pyramid_->n_links();

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "lode/api/quadtree_demand.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_gaps.h"
 #include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
@@ -19,6 +20,25 @@ Neighbours of_several_sizes() {
   return {Neighbours::Place::nowhere,
           "where sizes differ several triangles are behind an edge, and none is kept"};
 }
+
+std::string why_not_of_squares(ModelPart part) {
+  switch (part) {
+    case ModelPart::links: return "squares are found by their columns and rows";
+    case ModelPart::file: return "closed gaps are not kept; a file is that of the open ones";
+    case ModelPart::variable: return "closing gaps leaves no tolerance to vary";
+    default: return "all leaves are asked for at once: no descent to a place is written";
+  }
+}
+
+/// The number of triangles.
+template <typename Tree>
+std::uint64_t extract_demand(const Tree& tree, const HeightGrid& grid, const HeightRange& range,
+                             double tolerance) {
+  const Demand demand = middle_demand(grid, tolerance);
+  return tin_of_demand(tree, grid, range, demand).triangles.size();
+}
+
+ModelLevels of_sizes(std::int32_t n) { return {n, "sizes of squares, from a cell's on"}; }
 
 class SurfaceSquares final : public TerrainCandidate {
  public:
@@ -37,6 +57,8 @@ class SurfaceSquares final : public TerrainCandidate {
     const Stopwatch watch;
     LODE_TRY(tree_, surface_quadtree::SurfaceQuadtree::build(grid, threads, progress));
     seconds_ = watch.seconds();
+    grid_ = &grid;
+    range_ = height_range(grid);
     return {};
   }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress&) override {
@@ -48,12 +70,19 @@ class SurfaceSquares final : public TerrainCandidate {
     }
     return answer;
   }
+  [[nodiscard]] bool can_vary() const override { return !is_forced(); }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
+    return extract_demand(*tree_, *grid_, range_, tolerance);
+  }
   [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
-  [[nodiscard]] int n_levels() const override { return tree_->domain().n_levels(); }
+  [[nodiscard]] ModelLevels levels() const override { return of_sizes(tree_->domain().n_levels()); }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return tree_->n_bytes();
   }
   [[nodiscard]] Neighbours neighbours() const override { return of_several_sizes(); }
+  [[nodiscard]] std::string why_not(ModelPart part) const override {
+    return why_not_of_squares(part);
+  }
 
  private:
   [[nodiscard]] bool is_forced() const { return continuity_ == Continuity::forced; }
@@ -62,6 +91,8 @@ class SurfaceSquares final : public TerrainCandidate {
   }
 
   Continuity continuity_;
+  const HeightGrid* grid_ = nullptr;
+  HeightRange range_;
   std::optional<surface_quadtree::SurfaceQuadtree> tree_;
   double seconds_ = 0;
 };
@@ -78,19 +109,30 @@ class Quaternary final : public TerrainCandidate {
     LODE_TRY(tree_,
              quaternary_triangulation::QuaternaryTriangulation::build(grid, threads, progress));
     seconds_ = watch.seconds();
+    grid_ = &grid;
+    range_ = height_range(grid);
     return {};
   }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress&) override {
     return Answer{.tin = to_tin(*tree_, tree_->leaves(tolerance)), .stated_error = tolerance};
   }
+  [[nodiscard]] bool can_vary() const override { return true; }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
+    return extract_demand(*tree_, *grid_, range_, tolerance);
+  }
   [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
-  [[nodiscard]] int n_levels() const override { return tree_->domain().n_levels(); }
+  [[nodiscard]] ModelLevels levels() const override { return of_sizes(tree_->domain().n_levels()); }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return tree_->n_bytes();
   }
   [[nodiscard]] Neighbours neighbours() const override { return of_several_sizes(); }
+  [[nodiscard]] std::string why_not(ModelPart part) const override {
+    return why_not_of_squares(part);
+  }
 
  private:
+  const HeightGrid* grid_ = nullptr;
+  HeightRange range_;
   std::optional<quaternary_triangulation::QuaternaryTriangulation> tree_;
   double seconds_ = 0;
 };
@@ -115,8 +157,13 @@ class Restricted final : public TerrainCandidate {
   }
   [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
   [[nodiscard]] bool is_made_anew() const override { return true; }
-  [[nodiscard]] int n_levels() const override { return domain_->n_levels(); }
+  [[nodiscard]] ModelLevels levels() const override { return of_sizes(domain_->n_levels()); }
   [[nodiscard]] Neighbours neighbours() const override { return sorted_twins(); }
+  [[nodiscard]] std::string why_not(ModelPart part) const override {
+    if (part == ModelPart::variable)
+      return "squares are balanced for one tolerance; where it varied there would be gaps";
+    return TerrainCandidate::why_not(part);
+  }
 
  private:
   std::optional<squares::SquareDomain> domain_;

@@ -17,6 +17,8 @@
 namespace lode {
 namespace {
 
+ModelLevels no_levels() { return {0, "none: each tolerance has one mesh, made anew"}; }
+
 class Selector final : public TerrainCandidate {
  public:
   explicit Selector(InsertionOrder order) : order_(order) {}
@@ -48,6 +50,7 @@ class Selector final : public TerrainCandidate {
     return Answer{.tin = std::move(selected.tin), .stated_error = selected.report.achieved_error};
   }
   [[nodiscard]] bool is_made_anew() const override { return true; }
+  [[nodiscard]] ModelLevels levels() const override { return no_levels(); }
   [[nodiscard]] Neighbours neighbours() const override {
     return {Neighbours::Place::in_mesh, "the twins that its mesh is made with"};
   }
@@ -95,6 +98,7 @@ class Subsampling final : public TerrainCandidate {
     return answer;
   }
   [[nodiscard]] bool is_made_anew() const override { return true; }
+  [[nodiscard]] ModelLevels levels() const override { return no_levels(); }
   [[nodiscard]] Neighbours neighbours() const override {
     return {Neighbours::Place::in_model, "by its columns and rows"};
   }
@@ -163,6 +167,18 @@ Result<std::optional<std::uint64_t>> TerrainCandidate::zoom(double /*tolerance*/
 
 std::optional<std::uint64_t> TerrainCandidate::locate(
     double /*tolerance*/, std::span<const delaunay::LatticePoint> /*places*/) {
+  return {};
+}
+
+std::string TerrainCandidate::why_not(ModelPart part) const {
+  switch (part) {
+    case ModelPart::memory: return "nothing is kept but the raster or the points";
+    case ModelPart::file: return "nothing is kept that could be written";
+    case ModelPart::links: return "it has none";
+    case ModelPart::variable: return "a mesh is made for one tolerance";
+    case ModelPart::zoom:
+    case ModelPart::location: return "nothing is kept but its mesh, in which heights are found";
+  }
   return {};
 }
 

@@ -32,6 +32,15 @@ struct Neighbours {
   std::string how;  ///< In words; where there are none why not.
 };
 
+/// How many levels a model has.
+struct ModelLevels {
+  int n = 0;
+  std::string what;  ///< They are; where there are none why not.
+};
+
+/// What some models have no answer to.
+enum class ModelPart : std::uint8_t { memory, file, links, variable, zoom, location };
+
 /// A model of terrain as compare_terrain() runs it.
 class TerrainCandidate {
  public:
@@ -54,7 +63,8 @@ class TerrainCandidate {
                                                     std::span<const double> tolerances,
                                                     Threads threads, Progress& progress);
   [[nodiscard]] virtual Result<Answer> extract(double tolerance, Progress& progress) = 0;
-  /// Within the tolerance in the middle quarter of columns and rows, within ten times outside:
+  /// Within the tolerance in the middle quarter of columns and of rows, a sixteenth of the area,
+  /// within ten times outside:
   /// the number of triangles. Of those that can_vary().
   [[nodiscard]] virtual Result<std::uint64_t> extract_middle(double tolerance, Progress& progress);
   [[nodiscard]] virtual bool can_vary() const { return false; }
@@ -62,7 +72,8 @@ class TerrainCandidate {
   [[nodiscard]] virtual std::optional<double> build_seconds() const { return {}; }
   /// Whether extract() starts from the raster again, so that all meshes are what is built.
   [[nodiscard]] virtual bool is_made_anew() const { return false; }
-  [[nodiscard]] virtual int n_levels() const { return 0; }
+  /// Those that it has whatever is asked of it, or, where it is built at tolerances, these.
+  [[nodiscard]] virtual ModelLevels levels() const = 0;
   /// Of the whole model, where it is in memory.
   [[nodiscard]] virtual std::optional<std::uint64_t> memory_bytes() const { return {}; }
   [[nodiscard]] virtual std::optional<std::uint64_t> n_links() const { return {}; }
@@ -75,6 +86,8 @@ class TerrainCandidate {
   [[nodiscard]] virtual std::optional<std::uint64_t> locate(
       double tolerance, std::span<const delaunay::LatticePoint> places);
   [[nodiscard]] virtual Neighbours neighbours() const = 0;
+  /// Why it has no such part, of those that it lacks; unless it says otherwise, as it is made anew.
+  [[nodiscard]] virtual std::string why_not(ModelPart part) const;
   /// walk_edges() in the mesh within the tolerance, without one, from one of its triangles. Of
   /// those whose neighbours are in_model; extract() was called with the tolerance before.
   [[nodiscard]] virtual std::uint64_t walk(double tolerance, std::uint64_t n_tries,

@@ -100,7 +100,9 @@ class Comparison {
     }
     compared.build_seconds = model.build_seconds();
     if (compared.build_seconds && !compared.is_made_anew) compared.peak_bytes = memory.bytes();
-    compared.n_levels = model.n_levels();
+    const ModelLevels levels = model.levels();
+    compared.n_levels = levels.n;
+    compared.levels_are = levels.what;
     compared.memory_bytes = model.memory_bytes();
     compared.n_links = model.n_links();
     for (const double tolerance : options_.tolerances) {
@@ -115,10 +117,43 @@ class Comparison {
       if (compared.is_made_anew)
         compared.build_seconds = compared.build_seconds.value_or(0) + mesh->extract_seconds;
     }
+    if (compared.is_made_anew) {
+      LODE_TRY(compared.peak_bytes, measure_making(model));
+    }
     if (const auto kind = built_model_of(compared.name)) {
       LODE_TRY(compared.file_bytes, measure_file(*kind));
     }
+    add_missing(model, compared);
     return compared;
+  }
+
+  /// What the mesh within the finest tolerance takes, made once more.
+  Result<std::optional<std::uint64_t>> measure_making(TerrainCandidate& model) {
+    const PeakMemory memory;
+    LODE_TRY(const auto made, model.extract(std::ranges::min(options_.tolerances), progress_));
+    return memory.bytes();
+  }
+
+  /// Says of all that has no value why.
+  static void add_missing(const TerrainCandidate& model, ComparedModel& compared) {
+    const auto add = [&](bool is_there, const char* what, std::string why) {
+      if (!is_there) compared.missing.push_back({what, std::move(why)});
+    };
+    const auto has = [&](auto member) {
+      return std::ranges::all_of(
+          compared.meshes, [&](const ComparedMesh& mesh) { return (mesh.*member).has_value(); });
+    };
+    add(compared.n_levels > 0, "levels", compared.levels_are);
+    add(compared.memory_bytes.has_value(), "memory", model.why_not(ModelPart::memory));
+    add(compared.peak_bytes.has_value(), "building took", "the system does not tell");
+    add(compared.file_bytes.has_value(), "file", model.why_not(ModelPart::file));
+    add(compared.n_links.has_value(), "links", model.why_not(ModelPart::links));
+    add(has(&ComparedMesh::variable_seconds), "variable", model.why_not(ModelPart::variable));
+    add(has(&ComparedMesh::zoom_seconds), "zoom", model.why_not(ModelPart::zoom));
+    add(has(&ComparedMesh::located_per_second), "found", model.why_not(ModelPart::location));
+    add(has(&ComparedMesh::crossed_per_second), "steps", compared.neighbours);
+    add(has(&ComparedMesh::contour_seconds), "contours, profile",
+        "lines would break off where triangles leave gaps");
   }
 
   /// Builds it once more, for a file that is removed again.

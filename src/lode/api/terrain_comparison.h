@@ -34,18 +34,19 @@ struct ComparedMesh {
   double tolerance = 0;
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
-  std::uint64_t memory_bytes = 0;            ///< With twins, errors and heights.
-  TinQuality quality{};                      ///< As measured on the mesh, whatever the model says.
-  TinGaps gaps{};                            ///< Likewise, in units of the heights.
-  std::optional<double> stated_error{};      ///< What the model says of it.
-  double extract_seconds = 0;                ///< From the model, or, without one, from the raster.
-  std::optional<double> variable_seconds{};  ///< In the middle quarter alone, outside ten times.
+  std::uint64_t memory_bytes = 0;        ///< With twins, errors and heights.
+  TinQuality quality{};                  ///< As measured on the mesh, whatever the model says.
+  TinGaps gaps{};                        ///< Likewise, in units of the heights.
+  std::optional<double> stated_error{};  ///< What the model says of it.
+  double extract_seconds = 0;            ///< From the model, or, without one, from the raster.
+  /// In the middle quarter of columns and of rows, a sixteenth of the area; outside ten times.
+  std::optional<double> variable_seconds{};
   std::uint64_t variable_triangles = 0;
   std::optional<double> contour_seconds{};  ///< Of meshes without gaps, as profiles.
   std::uint64_t contour_points = 0;
   double places_per_second = 0;  ///< One thread; the locator's making apart.
   double locator_seconds = 0;
-  /// The triangles that meet the middle sixteenth of the raster, from the model, without a mesh.
+  /// The triangles that meet the same part, from the model, without a mesh.
   std::optional<double> zoom_seconds{};
   std::uint64_t zoom_triangles = 0;
   /// Of samples, one thread, from the model, without a mesh.
@@ -63,6 +64,12 @@ struct ComparedMesh {
 };
 
 struct ComparedModel {
+  /// What has no value, and why not.
+  struct Missing {
+    std::string what;
+    std::string why;
+  };
+
   std::string name;
   std::string what;       ///< In one sentence.
   std::string refusal{};  ///< Why there are no meshes; else empty.
@@ -71,12 +78,15 @@ struct ComparedModel {
   bool is_made_anew = false;
   std::string neighbours{};  ///< How it goes to what is behind an edge, or why it does not.
   int n_levels = 0;          ///< 0: it has none.
+  std::string levels_are{};  ///< What they are, or why there are none.
   std::optional<std::uint64_t> memory_bytes{};  ///< Of the model itself.
   std::optional<std::uint64_t> n_links{};       ///< Between levels.
-  /// That building took beside the raster, at most, as the system counts it; where it does.
+  /// That building took beside the raster, at most, as the system counts it, where it does; of what
+  /// is made anew that its mesh within the finest tolerance did.
   std::optional<std::uint64_t> peak_bytes{};
   std::optional<std::uint64_t> file_bytes{};  ///< Of a .lode file with these tolerances.
   std::vector<ComparedMesh> meshes{};         ///< By tolerance, as given.
+  std::vector<Missing> missing{};             ///< Of a model with meshes; each has a reason.
 };
 
 struct TerrainComparison {
