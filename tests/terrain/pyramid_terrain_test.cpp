@@ -193,6 +193,33 @@ TEST_P(pyramid_terrain, limits_the_memory_of_links) {
   if (!made) EXPECT_NE(made.error().message.find("2000 bytes"), std::string::npos);
 }
 
+/// With the least limit of links that a build succeeds within: found by halves.
+TEST_P(pyramid_terrain, has_links_within_their_limit_and_none_with_a_byte_less) {
+  if (!has_links(GetParam())) return;
+  const HeightGrid grid = hills_with_islands();
+  const auto build_within = [&](std::uint64_t n_bytes) {
+    return BuiltTerrain::build(
+        grid, {.model = GetParam(), .levels = kTolerances, .memory_limit = n_bytes}, progress_);
+  };
+  std::uint64_t least = 1 << 24;
+  ASSERT_TRUE(build_within(least));
+  for (std::uint64_t too_few = 0; too_few + 1 < least;) {
+    const std::uint64_t middle = too_few + (least - too_few) / 2;
+    (build_within(middle) ? least : too_few) = middle;
+  }
+  EXPECT_FALSE(build_within(least - 1));
+  const auto made = build_within(least);
+  ASSERT_TRUE(made);
+  const auto info = made->describe(progress_);
+  ASSERT_TRUE(info);
+  const auto links = std::ranges::find(info->parts, "links", &BuiltTerrainInfo::Part::name);
+  ASSERT_NE(links, info->parts.end());
+  EXPECT_LE(links->memory_bytes, least);
+  // An array that grows is there twice: once as it was, and once with half as much room again.
+  EXPECT_LE(least, links->memory_bytes * 5 / 2 + 100);
+  EXPECT_EQ(made->describe_source().n_links, build(grid, GetParam()).describe_source().n_links);
+}
+
 /// The directory of the shared real data: LODE_DATA, else ../shared/data beside the sources.
 std::filesystem::path shared_data() {
   if (const char* directory = std::getenv("LODE_DATA")) return directory;

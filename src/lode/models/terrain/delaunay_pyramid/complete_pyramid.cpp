@@ -28,20 +28,26 @@ Result<CompletePyramid> CompletePyramid::make(const History& history,
                                               EncodingLimit limit, Progress& progress) {
   CompletePyramid made;
   Interferences interferences(history, limit);
-  std::vector<std::uint32_t> alive;
+  made.levels_.resize(times.size());
+  for (std::size_t i = 0; i < times.size(); ++i)
+    LODE_CHECK(interferences.begin(alive_at(history, times[i]).size(), made.levels_[i].links));
+  std::vector<std::uint32_t> alive = alive_at(history, times[0]);
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (progress.is_cancelled()) return cancelled_error();
-    if (i == 0) alive = alive_at(history, times[0]);
-    Level& level = made.levels_.emplace_back();
+    Level& level = made.levels_[i];
     for (const std::uint32_t t : alive) level.triangles.push_back(history.triangles[t].corner);
     level.twins = delaunay::find_twins(level.triangles);
     if (i == 0) made.start_.emplace(history, level.triangles);
-    if (i + 1 == times.size()) break;
+    if (i + 1 == times.size()) {
+      for (std::size_t k = 0; k < alive.size(); ++k) Interferences::add_none(level.links);
+      break;
+    }
     const std::vector<std::uint32_t> next = alive_at(history, times[i + 1]);
     for (const std::uint32_t t : alive)
       LODE_CHECK(interferences.add(
           t, times[i + 1], [&](std::uint32_t other) { return number_in(next, other); },
           level.links));
+    LODE_CHECK(interferences.end(level.links));
     alive = next;
   }
   return made;

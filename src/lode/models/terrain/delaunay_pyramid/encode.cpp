@@ -44,28 +44,27 @@ std::vector<PyramidLevel> to_levels(CompletePyramid complete) {
     kept.triangles = std::move(level.triangles);
     kept.twins = std::move(level.twins);
     kept.links = std::move(level.links);
-    // The last level has none.
-    if (kept.links.first.empty()) kept.links.first.assign(kept.triangles.size() + 1, 0);
   }
   return levels;
 }
 
 /// The same.
-std::vector<PyramidLevel> to_levels(const TriangleLists& lists) {
+std::vector<PyramidLevel> to_levels(TriangleLists lists) {
   std::vector<PyramidLevel> levels;
+  // Moved, as they may be too many to be there twice.
+  std::vector<LinkLists> links = lists.take_links();
   for (std::size_t level = 0; level < lists.n_levels(); ++level) {
     PyramidLevel& kept = levels.emplace_back();
-    if (lists.has_links()) kept.links.first.push_back(0);
     for (std::uint32_t e = lists.first_entry(level); e < lists.first_entry(level + 1); ++e) {
-      const TriangleLists::Entry& entry = lists.entries()[e];
-      kept.triangles.push_back(entry.corner);
-      kept.deaths.push_back(entry.death);
-      if (!lists.has_links()) continue;
-      // What meets it in the mesh of its death was made for that: the rest had been beside it.
-      for (const std::uint32_t link : lists.links_of(e))
-        kept.links.items.push_back(link - lists.first_entry(entry.death));
-      kept.links.first.push_back(kept.links.items.size());
+      kept.triangles.push_back(lists.entries()[e].corner);
+      kept.deaths.push_back(lists.entries()[e].death);
     }
+    if (links.empty()) continue;
+    kept.links = std::move(links[level]);
+    // What meets it in the mesh of its death was made for that: the rest had been beside it.
+    for (std::size_t i = 0; i < kept.deaths.size(); ++i)
+      for (std::uint64_t k = kept.links.first[i]; k < kept.links.first[i + 1]; ++k)
+        kept.links.items[k] -= lists.first_entry(kept.deaths[i]);
   }
   return levels;
 }
@@ -83,8 +82,8 @@ Result<Pyramid> encode(const History& history, std::span<const double> tolerance
     pyramid.levels = to_levels(std::move(complete));
   } else {
     const auto links = has_links(encoding) ? Interference::linked : Interference::left_out;
-    LODE_TRY(const auto lists, TriangleLists::make(history, times, links, limit, progress));
-    pyramid.levels = to_levels(lists);
+    LODE_TRY(auto lists, TriangleLists::make(history, times, links, limit, progress));
+    pyramid.levels = to_levels(std::move(lists));
   }
   for (std::size_t level = 0; level < times.size(); ++level) {
     PyramidLevel& kept = pyramid.levels[level];

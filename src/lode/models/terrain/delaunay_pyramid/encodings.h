@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -34,8 +35,9 @@ struct LinkLists {
   }
 };
 
-/// How much memory an encoding may take; more is refused, as links of two levels may be as many as
-/// the product of their triangles.
+/// How much memory interference links may take with their offsets, also while they are made, when
+/// arrays that grow are there twice; more is refused, as links of two levels may be as many as the
+/// product of their triangles.
 struct EncodingLimit {
   std::uint64_t n_bytes = std::uint64_t{8} << 30;
 };
@@ -48,7 +50,7 @@ class CompletePyramid {
   struct Level {
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Vertices of the history.
     std::vector<std::array<std::uint32_t, 3>> twins;      ///< As LatticeTriangle::twin.
-    LinkLists links;                                      ///< Empty of the last level.
+    LinkLists links;                                      ///< None of the last level.
   };
 
   [[nodiscard]] static Result<CompletePyramid> make(const History& history,
@@ -94,15 +96,19 @@ class TriangleLists {
                                                   Progress& progress);
 
   [[nodiscard]] std::size_t n_levels() const { return first_.size() - 1; }
-  [[nodiscard]] bool has_links() const { return !links_.first.empty(); }
+  [[nodiscard]] bool has_links() const { return !links_.empty(); }
   /// Of all levels, one list after the other.
   [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
   /// Of a level's list, or after the last one.
   [[nodiscard]] std::uint32_t first_entry(std::size_t level) const { return first_[level]; }
   [[nodiscard]] std::span<const std::uint32_t> links_of(std::uint32_t entry) const {
-    return links_.of(entry);
+    const auto level = std::ranges::upper_bound(first_, entry) - first_.begin() - 1;
+    const auto i = static_cast<std::size_t>(level);
+    return links_[i].of(entry - first_[i]);
   }
-  [[nodiscard]] std::uint64_t n_links() const { return links_.items.size(); }
+  /// Gives those of each level's entries away, and has none then.
+  [[nodiscard]] std::vector<LinkLists> take_links() { return std::exchange(links_, {}); }
+  [[nodiscard]] std::uint64_t n_links() const;
   [[nodiscard]] std::uint64_t n_bytes() const;
   [[nodiscard]] delaunay::Tin extract(const History& history, std::size_t level) const;
   /// As CompletePyramid; an entry. It has links.
@@ -112,9 +118,14 @@ class TriangleLists {
                                                 const Window& window) const;
 
  private:
+  /// `numbers`: of the entries, in the history.
+  Result<void> link(const History& history, std::span<const std::uint32_t> times,
+                    const std::vector<std::uint32_t>& numbers, EncodingLimit limit,
+                    Progress& progress);
+
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> first_;  ///< By level, and one more.
-  LinkLists links_;
+  std::vector<LinkLists> links_;      ///< By level; or none.
   std::optional<StartFinder> start_;  ///< Of the first list, where there are links.
 };
 

@@ -24,39 +24,78 @@ class Interferences {
   Interferences(const History& history, EncodingLimit limit)
       : history_(history), descent_(history), limit_(limit) {}
 
-  /// number_of(t): of what is linked.
+  /// Begins a level, for so many triangles. All are begun before one is filled that has links, so
+  /// that what they take is known early; fails where that is too much.
+  Result<void> begin(std::size_t n_triangles, LinkLists& links) {
+    LODE_CHECK(take((n_triangles + 1) * sizeof(links.first[0])));
+    links.first.reserve(n_triangles + 1);
+    links.first.push_back(0);
+    return {};
+  }
+
+  /// Of the next triangle of a level. number_of(t): of what is linked.
   template <typename NumberOf>
   Result<void> add(std::uint32_t t, std::uint32_t later, const NumberOf& number_of,
                    LinkLists& links) {
     const LatticeCorners own = corners_of(history_, history_.triangles[t].corner);
-    if (links.first.empty()) links.first.push_back(0);
+    Result<void> grown;
     descent_.restart();
     descent_.run(
         t, insertions::NodeSet(later),
         [&](std::uint32_t other) {
-          return other == t ||
-                 do_interiors_meet(own, corners_of(history_, history_.triangles[other].corner));
+          return grown &&
+                 (other == t ||
+                  do_interiors_meet(own, corners_of(history_, history_.triangles[other].corner)));
         },
-        [&](std::uint32_t other) { links.items.push_back(number_of(other)); });
+        [&](std::uint32_t other) {
+          if (links.items.size() == links.items.capacity() && grown)
+            grown = resize(links.items, grown_size(links.items.size()));
+          if (!grown) return;
+          links.items.push_back(number_of(other));
+          ++n_links_;
+        });
+    if (!grown) return grown.error();
     std::sort(links.items.begin() + static_cast<std::ptrdiff_t>(links.first.back()),
               links.items.end());
-    n_links_ += links.items.size() - links.first.back();
-    n_bytes_ += (links.items.size() - links.first.back()) * sizeof(links.items[0]);
-    n_bytes_ += sizeof(links.first[0]);
-    links.first.push_back(links.items.size());
-    if (n_bytes_ > limit_.n_bytes)
+    add_none(links);
+    return {};
+  }
+  /// Of one that has no links.
+  static void add_none(LinkLists& links) { links.first.push_back(links.items.size()); }
+
+  /// Ends a level: gives back the room that it does not need.
+  Result<void> end(LinkLists& links) { return resize(links.items, links.items.size()); }
+
+ private:
+  static std::size_t grown_size(std::size_t n) {
+    constexpr std::size_t kLeast = 16;
+    return std::max(kLeast, n + n / 2);
+  }
+  /// Room for n items, which are there twice for a moment.
+  Result<void> resize(std::vector<std::uint32_t>& items, std::size_t n) {
+    if (items.capacity() == n) return {};
+    LODE_CHECK(take(n * sizeof(items[0])));
+    std::vector<std::uint32_t> moved;
+    moved.reserve(n);
+    moved.assign(items.begin(), items.end());
+    n_bytes_ -= items.capacity() * sizeof(items[0]);
+    items.swap(moved);
+    return {};
+  }
+  Result<void> take(std::uint64_t n_bytes) {
+    if (n_bytes > limit_.n_bytes - std::min(limit_.n_bytes, n_bytes_))
       return fail(
           "expected interference links of up to {} bytes, got more, {} links so far: fewer levels, "
           "or the lists without links, take less, and --memory-limit allows more",
           limit_.n_bytes, n_links_);
+    n_bytes_ += n_bytes;
     return {};
   }
 
- private:
   const History& history_;
   Descent descent_;
   EncodingLimit limit_;
-  std::uint64_t n_bytes_ = 0;
+  std::uint64_t n_bytes_ = 0;  ///< Of all that is there.
   std::uint64_t n_links_ = 0;
 };
 

@@ -45,24 +45,44 @@ Result<TriangleLists> TriangleLists::make(const History& history,
   }
   if (interference == Interference::left_out) return made;
   made.start_.emplace(history, first_corners(made.entries().first(made.first_[1])));
-  Interferences interferences(history, limit);
-  for (std::uint32_t e = 0; e < made.entries_.size(); ++e) {
-    const std::uint32_t death = made.entries_[e].death;
-    if (death == n_levels) {
-      if (made.links_.first.empty()) made.links_.first.push_back(0);
-      made.links_.first.push_back(made.links_.items.size());
-      continue;
-    }
-    LODE_CHECK(interferences.add(
-        numbers[e], times[death], [&](std::uint32_t t) { return number_in(numbers, t); },
-        made.links_));
-  }
+  LODE_CHECK(made.link(history, times, numbers, limit, progress));
   return made;
 }
 
+Result<void> TriangleLists::link(const History& history, std::span<const std::uint32_t> times,
+                                 const std::vector<std::uint32_t>& numbers, EncodingLimit limit,
+                                 Progress& progress) {
+  Interferences interferences(history, limit);
+  links_.resize(n_levels());
+  for (std::size_t level = 0; level < n_levels(); ++level)
+    LODE_CHECK(interferences.begin(first_[level + 1] - first_[level], links_[level]));
+  for (std::size_t level = 0; level < n_levels(); ++level) {
+    if (progress.is_cancelled()) return cancelled_error();
+    for (std::uint32_t e = first_[level]; e < first_[level + 1]; ++e) {
+      const std::uint32_t death = entries_[e].death;
+      if (death == n_levels())
+        Interferences::add_none(links_[level]);
+      else
+        LODE_CHECK(interferences.add(
+            numbers[e], times[death], [&](std::uint32_t t) { return number_in(numbers, t); },
+            links_[level]));
+    }
+    LODE_CHECK(interferences.end(links_[level]));
+  }
+  return {};
+}
+
+std::uint64_t TriangleLists::n_links() const {
+  std::uint64_t n = 0;
+  for (const LinkLists& links : links_) n += links.items.size();
+  return n;
+}
+
 std::uint64_t TriangleLists::n_bytes() const {
-  return entries_.size() * sizeof(entries_[0]) + first_.size() * sizeof(first_[0]) +
-         links_.n_bytes() + (start_ ? start_->n_bytes() : 0);
+  std::uint64_t n = entries_.size() * sizeof(entries_[0]) + first_.size() * sizeof(first_[0]) +
+                    (start_ ? start_->n_bytes() : 0);
+  for (const LinkLists& links : links_) n += links.n_bytes();
+  return n;
 }
 
 delaunay::Tin TriangleLists::extract(const History& history, std::size_t level) const {
@@ -82,7 +102,7 @@ std::optional<std::uint32_t> TriangleLists::locate(const History& history, std::
   const auto start = start_->find(delaunay::to_point(p));
   if (!start) return {};
   std::uint32_t at = *start;
-  while (entries_[at].death <= level) at = *std::ranges::find_if(links_.of(at), is_in);
+  while (entries_[at].death <= level) at = *std::ranges::find_if(links_of(at), is_in);
   return at;
 }
 
@@ -104,7 +124,7 @@ std::vector<std::uint32_t> TriangleLists::zoom(const History& history, std::size
       found.push_back(at);
       continue;
     }
-    for (const std::uint32_t link : links_.of(at)) {
+    for (const std::uint32_t link : links_of(at)) {
       if (is_seen[link]) continue;
       is_seen[link] = true;
       if (is_met(link)) open.push_back(link);
