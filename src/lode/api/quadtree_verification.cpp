@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "lode/api/quadtree_terrain.h"
@@ -41,11 +43,54 @@ Result<void> check_errors(const SquareDomain& domain, Threads threads, Progress&
   return {};
 }
 
+/// Whether a sample of a square errs by more than `stated`, in 64 bits of mantissa: weights(u, v),
+/// whole numbers that are side² together with that of the lower left corner, are those of the lower
+/// right, the upper left and the upper right one; none where the sample is of no interest.
+template <typename Weights>
+bool errs_beyond(const SquareDomain& domain, const Square& square, double stated,
+                 const Weights& weights) {
+  const std::int32_t side = square.side();
+  const auto way = [&](std::int32_t u, std::int32_t v) {
+    return static_cast<long double>(domain.height(square.x() + u, square.y() + v)) -
+           domain.height(square.x(), square.y());
+  };
+  const std::array<long double, 3> ways{way(side, 0), way(0, side), way(side, side)};
+  const auto area = static_cast<long double>(std::int64_t{side} * side);
+  for (std::int32_t v = 0; v <= side; ++v)
+    for (std::int32_t u = 0; u <= side; ++u) {
+      const std::optional<std::array<std::int64_t, 3>> weight = weights(u, v);
+      if (!weight) continue;
+      long double sum = 0;
+      for (std::size_t i = 0; i < 3; ++i) sum += static_cast<long double>((*weight)[i]) * ways[i];
+      if (std::abs(way(u, v) * area - sum) > stated * area) return true;
+    }
+  return false;
+}
+
+bool errs_beyond(const SurfaceQuadtree& tree, const Square& square) {
+  const std::int64_t side = square.side();
+  return errs_beyond(tree.domain(), square, tree.error(square),
+                     [&](std::int64_t u, std::int64_t v) {
+                       return std::optional(std::array{u * (side - v), (side - u) * v, u * v});
+                     });
+}
+
+bool errs_beyond(const QuaternaryTriangulation& tree, const HalfSquare& half) {
+  using Weights = std::array<std::int64_t, 3>;
+  const std::int64_t side = half.square.side();
+  return errs_beyond(
+      tree.domain(), half.square, tree.error(half),
+      [&](std::int64_t u, std::int64_t v) -> std::optional<Weights> {
+        if (half.is_upper)
+          return v < u ? std::nullopt : std::optional(Weights{0, (v - u) * side, u * side});
+        return u < v ? std::nullopt : std::optional(Weights{(u - v) * side, 0, v * side});
+      });
+}
+
 Result<void> check_errors(const SurfaceQuadtree& tree, Threads threads, Progress& progress,
                           VerifyReport& report) {
   const auto is_beyond = [&](const Square& square) {
-    const double stated = tree.error(square);
-    return !std::isinf(stated) && surface_quadtree::bilinear_error(tree.domain(), square) > stated;
+    return !std::isinf(tree.error(square)) && errs_beyond(tree, square);
   };
   return check_errors(tree.domain(), threads, progress, is_beyond, report);
 }
@@ -55,10 +100,7 @@ Result<void> check_errors(const QuaternaryTriangulation& tree, Threads threads, 
   const auto is_beyond = [&](const Square& square) {
     for (const bool is_upper : {false, true}) {
       const HalfSquare triangle{square, is_upper};
-      const double stated = tree.error(triangle);
-      if (!std::isinf(stated) &&
-          quaternary_triangulation::linear_error(tree.domain(), triangle) > stated)
-        return true;
+      if (!std::isinf(tree.error(triangle)) && errs_beyond(tree, triangle)) return true;
     }
     return false;
   };
@@ -107,11 +149,9 @@ Result<VerifyReport> QuadtreeTerrain::verify(const HeightGrid& grid, Threads thr
     const std::uint64_t n_out = quality.n_uncovered - source().n_left_out;
     report.add(name("the domain is covered"), quality.n_samples, n_out,
                n_out > 0 ? fmt::format("{} samples are in no triangle", n_out) : "");
-    const double slack =
-        0x1p-48 * std::max(std::abs(source().range.lower), std::abs(source().range.upper));
     if (std::holds_alternative<QuaternaryTriangulation>(model_.tree))
       report.add(name("samples are within the error"), quality.n_samples,
-                 quality.worst_error <= tolerance + slack ? 0 : 1,
+                 quality.worst_error <= tolerance ? 0 : 1,
                  fmt::format("worst {}", quality.worst_error));
   }
   return report;

@@ -174,8 +174,6 @@ class Comparison {
 
   Result<ComparedMesh> measure(TerrainCandidate& model, double tolerance) {
     ComparedMesh mesh{.tolerance = tolerance};
-    // z' on a plane takes some ten roundings of heights.
-    mesh.rounding = 0x1p-48 * std::max(std::abs(range_.lower), std::abs(range_.upper));
     TerrainCandidate::Answer answer;
     LODE_TRY(mesh.extract_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
                LODE_TRY(answer, model.extract(tolerance, progress_));
@@ -185,6 +183,7 @@ class Comparison {
     mesh.triangles = tin.triangles.size();
     mesh.vertices = tin.vertices.size();
     mesh.stated_error = answer.stated_error;
+    mesh.rounding = rounding_of(answer);
     mesh.quality = ground_.quality(tin, answer.scale, options_.threads);
     mesh.gaps = measure_gaps(tin);
     LODE_CHECK(measure_variable(model, tolerance, mesh));
@@ -196,6 +195,13 @@ class Comparison {
     LODE_CHECK(measure_questions(tin, answer.scale, mesh));
     if (progress_.is_cancelled()) return cancelled_error();
     return mesh;
+  }
+
+  /// Errors are measured in 64 bits of mantissa, from differences of heights. Those of vertices
+  /// between samples are rounded themselves.
+  [[nodiscard]] double rounding_of(const TerrainCandidate::Answer& answer) const {
+    if (answer.scale == 1) return 0x1p-52 * (range_.upper - range_.lower);
+    return 0x1p-48 * std::max(std::abs(range_.lower), std::abs(range_.upper));
   }
 
   Result<void> measure_variable(TerrainCandidate& model, double tolerance, ComparedMesh& mesh) {

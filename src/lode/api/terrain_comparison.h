@@ -57,7 +57,7 @@ struct ComparedMesh {
   std::optional<double> profile_seconds{};  ///< Along the raster's diagonal.
   std::uint64_t profile_points = 0;
 
-  double rounding = 0;  ///< Of measured errors, in float64.
+  double rounding = 0;  ///< Of measured errors, and of heights of vertices between samples.
 
   /// Of the samples in triangles: what is left out, quality says.
   [[nodiscard]] bool is_met() const { return quality.worst_error <= tolerance + rounding; }

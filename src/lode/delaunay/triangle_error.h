@@ -17,6 +17,12 @@ namespace lode::delaunay {
                               static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
 }
 
+/// Any number, rounded up.
+[[nodiscard]] inline double to_double_above(long double value) {
+  const auto nearest = static_cast<double>(value);
+  return static_cast<long double>(nearest) < value ? std::nextafter(nearest, HUGE_VAL) : nearest;
+}
+
 /// numerator / denominator, rounded up; both >= 0 and of 53 bits, the second > 0. Equal fractions
 /// give equal results.
 [[nodiscard]] inline double divided_up(std::int64_t numerator, std::int64_t denominator) {

@@ -262,10 +262,10 @@ class TinChecker {
         if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0) continue;
         const auto at = static_cast<std::size_t>(std::int64_t{s.y} * grid_.n_columns + s.x);
         is_covered[at].store(1, std::memory_order_relaxed);
-        const long double plane = static_cast<long double>(weight[0]) * z[0] +
-                                  static_cast<long double>(weight[1]) * z[1] +
-                                  static_cast<long double>(weight[2]) * z[2];
-        const long double error = std::abs(grid_.height(s.x, s.y) * area - plane);
+        // From one of the heights, as differences of near numbers are exact.
+        const long double way = static_cast<long double>(weight[1]) * (z[1] - z[0]) +
+                                static_cast<long double>(weight[2]) * (z[2] - z[0]);
+        const long double error = std::abs((grid_.height(s.x, s.y) - z[0]) * area - way);
         seen.n_beyond += static_cast<std::uint64_t>(error > limit);
         seen.join({0, static_cast<double>(error / area), s});
       }

@@ -6,20 +6,21 @@
 #include <numbers>
 #include <vector>
 
+#include "lode/delaunay/triangle_error.h"
+
 namespace lode {
 namespace {
 
 constexpr double kUncovered = -1;
 constexpr std::size_t kTrianglesAtOnce = 1024;
 
-/// z' on a triangle: a height at a corner, and how it changes by column and row.
+/// z' on a triangle: the height of a corner, and how far those of the others are from it.
 class Plane {
  public:
   Plane(const delaunay::Tin& tin, const std::array<std::uint32_t, 3>& triangle) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      corners_[i] = tin.vertices[triangle[i]];
-      heights_[i] = tin.heights[triangle[i]];
-    }
+    for (std::size_t i = 0; i < 3; ++i) corners_[i] = tin.vertices[triangle[i]];
+    base_ = tin.heights[triangle[0]];
+    for (std::size_t i = 0; i < 2; ++i) ways_[i] = tin.heights[triangle[i + 1]] - base_;
     doubled_area_ = side(0, corners_[2].x, corners_[2].y);
   }
 
@@ -32,22 +33,21 @@ class Plane {
   [[nodiscard]] bool holds(std::int64_t x, std::int64_t y) const {
     return side(0, x, y) >= 0 && side(1, x, y) >= 0 && side(2, x, y) >= 0;
   }
-  /// At corners theirs, exactly.
-  [[nodiscard]] double height(std::int64_t x, std::int64_t y) const {
-    for (std::size_t i = 0; i < 3; ++i)
-      if (corners_[i].x == x && corners_[i].y == y) return heights_[i];
-    const auto share = [&](std::size_t edge) {
-      return static_cast<double>(side(edge, x, y)) / static_cast<double>(doubled_area_);
-    };
-    return heights_[0] + (heights_[1] - heights_[0]) * share(2) +
-           (heights_[2] - heights_[0]) * share(0);
+  /// |z - z'|, rounded up. All heights are less one of them, as differences of near numbers are
+  /// exact.
+  [[nodiscard]] double error(std::int64_t x, std::int64_t y, double z) const {
+    const auto area = static_cast<long double>(doubled_area_);
+    const long double way = static_cast<long double>(side(2, x, y)) * ways_[0] +
+                            static_cast<long double>(side(0, x, y)) * ways_[1];
+    return delaunay::to_double_above(std::abs((z - base_) * area - way) / area);
   }
   [[nodiscard]] const std::array<delaunay::LatticePoint, 3>& corners() const { return corners_; }
   [[nodiscard]] bool has_area() const { return doubled_area_ > 0; }
 
  private:
   std::array<delaunay::LatticePoint, 3> corners_;
-  std::array<double, 3> heights_;
+  long double base_ = 0;
+  std::array<long double, 2> ways_{};
   std::int64_t doubled_area_ = 0;
 };
 
@@ -72,7 +72,7 @@ void visit_samples(const Plane& plane, std::int32_t scale, const HeightGrid& gri
       const std::int64_t column = std::int64_t{x} * scale;
       const std::int64_t row = std::int64_t{y} * scale;
       if (!plane.holds(column, row) || !grid.has_height(x, y)) continue;
-      visit(x, y, std::abs(grid.height(x, y) - plane.height(column, row)));
+      visit(x, y, plane.error(column, row, grid.height(x, y)));
     }
 }
 

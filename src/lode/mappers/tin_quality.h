@@ -20,7 +20,7 @@ struct TinAngles {
 [[nodiscard]] TinAngles measure_angles(const delaunay::Tin& tin, const HeightFrame& frame,
                                        Threads threads);
 
-/// The largest |z - z'| of the samples in a triangle of a TIN with heights, in float64; else as
+/// The largest |z - z'| of the samples in a triangle of a TIN with heights; else as
 /// measure_quality().
 [[nodiscard]] double worst_error_in(const delaunay::Tin& tin, std::size_t triangle,
                                     std::int32_t scale, const HeightGrid& grid);
@@ -29,14 +29,15 @@ struct TinAngles {
 struct TinQuality {
   std::uint64_t n_samples = 0;    ///< With a height, in some triangle.
   std::uint64_t n_uncovered = 0;  ///< With one, in none.
-  double worst_error = 0;         ///< |z - z'| of those covered, in float64.
+  double worst_error = 0;         ///< |z - z'| of those covered, rounded up.
   double rms_error = 0;
   TinAngles angles{};
 };
 
 /// The TIN has heights, turns left, and lies in the grid, whose columns and rows are `scale` nodes
 /// of the TIN's lattice apart: so its vertices may lie between samples. A sample on an edge counts
-/// once, by the larger of its errors. The same for any number of threads. Takes 8 bytes a sample.
+/// once, by the larger of its errors, computed in 64 bits of mantissa from differences of heights.
+/// The same for any number of threads. Takes 8 bytes a sample.
 [[nodiscard]] TinQuality measure_quality(const delaunay::Tin& tin, std::int32_t scale,
                                          const HeightGrid& grid, Threads threads);
 

@@ -28,10 +28,9 @@ TinHeight height_in(const SquareDomain& domain, const HalfSquare& triangle,
   for (const std::size_t i : {(base + 1) % 3, (base + 2) % 3}) way += weight[i] * (z[i] - z[base]);
   const auto [least, most] = std::ranges::minmax(z);
   // Weights are off by half a unit, products with differences by three of the range R, their sum by
-  // two more, 8 in all, and the last sum by one of a height. As much again is what errors of
-  // samples are off by.
+  // two more, 8 in all, and the last sum by one of a height: half of what is said.
   return {z[base] + way,
-          0x1p-53 * (32 * (most - least) + 4 * std::max(std::abs(least), std::abs(most)))};
+          0x1p-53 * (16 * (most - least) + 2 * std::max(std::abs(least), std::abs(most)))};
 }
 
 }  // namespace lode::quaternary_triangulation

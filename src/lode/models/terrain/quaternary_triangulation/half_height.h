@@ -7,7 +7,7 @@ namespace lode::quaternary_triangulation {
 
 /// The height of a triangle that is wholly in the domain, linear between its corners, at the place
 /// of it that is nearest to p (column and row), or, beside its longest side, at one near to that:
-/// at a corner the sample's, exactly. Rounding is that of the triangle's error, too.
+/// at a corner the sample's, exactly.
 [[nodiscard]] TinHeight height_in(const SquareDomain& domain, const HalfSquare& triangle,
                                   const delaunay::Point& p);
 

@@ -46,21 +46,23 @@ double linear_error(const SquareDomain& domain, const HalfSquare& triangle) {
   const auto corner = [&](std::int32_t u, std::int32_t v) {
     return domain.height(square.x() + u, square.y() + v);
   };
-  const double first = corner(0, 0);
+  // All heights are less one of them, as differences of near numbers are exact.
+  const double base = corner(0, 0);
   const double last = corner(side, side);
   const double across = triangle.is_upper ? corner(0, side) : corner(side, 0);
-  const double x_step = (triangle.is_upper ? last - across : across - first) * step;
-  const double y_step = (triangle.is_upper ? across - first : last - across) * step;
+  const double x_step = (triangle.is_upper ? last - across : across - base) * step;
+  const double y_step = (triangle.is_upper ? across - base : last - across) * step;
   double worst = 0;
   for (std::int32_t v = 0; v <= side; ++v) {
     const double* const row = domain.row(square.y() + v) + square.x();
-    const double begin = first + y_step * v;
+    const double begin = y_step * v;
     const std::int32_t from = triangle.is_upper ? 0 : v;
     const std::int32_t to = triangle.is_upper ? v : side;
     for (std::int32_t u = from; u <= to; ++u)
-      worst = std::max(worst, std::abs(row[u] - (begin + x_step * u)));
+      worst = std::max(worst, std::abs((row[u] - base) - (begin + x_step * u)));
   }
-  return worst;
+  return worst + domain.rounding_in(square, triangle.is_upper ? squares::SquarePart::upper
+                                                              : squares::SquarePart::lower);
 }
 
 Result<QuaternaryTriangulation> QuaternaryTriangulation::build(const HeightGrid& grid,

@@ -26,7 +26,8 @@ struct HalfSquare {
   [[nodiscard]] HalfSquare child(int i) const;
 };
 
-/// The largest |z - z'| of the samples in a triangle that is wholly in the domain, z' linear.
+/// A bound of |z - z'| of the samples in a triangle that is wholly in the domain, z' linear: the
+/// largest, and SquareDomain::rounding_in() more.
 [[nodiscard]] double linear_error(const SquareDomain& domain, const HalfSquare& triangle);
 
 /// The quaternary triangulation (D. Gomez, A. Guzman, "Digital model for three-dimensional surface

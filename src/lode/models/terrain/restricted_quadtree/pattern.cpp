@@ -8,7 +8,8 @@
 namespace lode::restricted_quadtree {
 namespace {
 
-/// Of the samples in a triangle, which turns left.
+/// Of the samples in a triangle, which turns left. All heights are less one of them, as differences
+/// of near numbers are exact.
 double triangle_error(const SquareDomain& domain, LatticePoint a, LatticePoint b, LatticePoint c) {
   const auto area = static_cast<double>(delaunay::doubled_area(a, b, c));
   const double za = domain.height(a.x, a.y);
@@ -26,7 +27,7 @@ double triangle_error(const SquareDomain& domain, LatticePoint a, LatticePoint b
       if (delaunay::doubled_area(a, b, p) < 0 || delaunay::doubled_area(b, c, p) < 0 ||
           delaunay::doubled_area(c, a, p) < 0)
         continue;
-      worst = std::max(worst, std::abs(row[x] - (za + x_step * (x - a.x) + y_step * (y - a.y))));
+      worst = std::max(worst, std::abs((row[x] - za) - (x_step * (x - a.x) + y_step * (y - a.y))));
     }
   }
   return worst;
@@ -35,11 +36,12 @@ double triangle_error(const SquareDomain& domain, LatticePoint a, LatticePoint b
 }  // namespace
 
 double pattern_error(const SquareDomain& domain, const Square& square, SideMask midpoints) {
+  if (square.level == 1 && midpoints == kAllSides) return 0;  // Its samples are corners.
   double worst = 0;
   visit_pattern(square, midpoints, [&](LatticePoint a, LatticePoint b, LatticePoint centre) {
     worst = std::max(worst, triangle_error(domain, a, b, centre));
   });
-  return worst;
+  return worst + domain.rounding_in(square, squares::SquarePart::all);
 }
 
 delaunay::Tin to_tin(const SquareDomain& domain, const std::vector<Leaf>& leaves) {

@@ -19,18 +19,21 @@ using squares::SquareDomain;
 /// upper, left (x to the right, y up).
 using SideMask = std::uint8_t;
 
+inline constexpr SideMask kAllSides = 0b1111;
+
 /// A leaf, cut into triangles round its centre: the six patterns of the paper's figure 11, turned.
 /// Cells have two triangles and no midpoints.
 struct Leaf {
   Square square;
   SideMask midpoints = 0;
-  double error = 0;  ///< Of its samples.
+  double error = 0;  ///< A bound of its samples'.
 
   friend bool operator==(const Leaf&, const Leaf&) = default;
 };
 
-/// The largest |z - z'| of the samples in a square larger than a cell that is wholly in the domain,
-/// z' on the triangles of a pattern.
+/// A bound of |z - z'| of the samples in a square larger than a cell that is wholly in the domain,
+/// z' on the triangles of a pattern: the largest, and SquareDomain::rounding_in() more, but where
+/// all samples are corners.
 [[nodiscard]] double pattern_error(const SquareDomain& domain, const Square& square,
                                    SideMask midpoints);
 

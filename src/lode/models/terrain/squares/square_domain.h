@@ -28,6 +28,9 @@ struct Square {
 /// How much of a square is in the domain.
 enum class Share : std::uint8_t { none, some, all };
 
+/// Of a square, cut from the lower left corner to the upper right one, with the cut.
+enum class SquarePart : std::uint8_t { all, lower, upper };
+
 /// How many samples that are to be vertices a square has, on its sides, too, that are none of its
 /// corners; of its halves, cut from the lower left corner to the upper right one, none of theirs.
 struct KeptCounts {
@@ -72,6 +75,10 @@ class SquareDomain {
   [[nodiscard]] const double* row(std::int32_t y) const {
     return heights_.data() + std::int64_t{y} * size_x_;
   }
+  /// What is to be added to the largest |z - z'| of a part of a square that is wholly in the domain
+  /// to make it a bound: z' a plane or bilinear between its corners, both less one of its heights,
+  /// in float64. 0 where that is exact, as of samples of up to 16 bits and of level parts.
+  [[nodiscard]] double rounding_in(const Square& q, SquarePart part) const;
   /// Makes samples vertices of all trees: different nodes of the domain, in rows.
   void keep(std::vector<LatticePoint> nodes);
   [[nodiscard]] const std::vector<LatticePoint>& kept() const { return kept_; }
@@ -89,6 +96,8 @@ class SquareDomain {
   std::int32_t size_x_ = 0;  ///< Samples in a row.
   std::int32_t size_y_ = 0;
   std::vector<double> heights_;
+  double unit_ = 1;  ///< A power of two that all heights are multiples of.
+  HeightRange range_;
   std::vector<std::vector<Share>> shares_;  ///< By level.
   std::vector<LatticePoint> kept_;
   std::vector<std::vector<KeptCounts>> kept_in_;  ///< By level; empty where nothing is kept.

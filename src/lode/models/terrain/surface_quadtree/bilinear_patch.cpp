@@ -21,11 +21,10 @@ std::array<double, 4> corner_heights(const SquareDomain& domain, const Square& s
 }
 
 /// Differences of heights are off by half a unit of their range R, products and sums by some more,
-/// 7 half units of R in all, and the last sum by one of a height. As much again is what errors of
-/// samples are off by.
+/// 7 half units of R in all, and the last sum by one of a height: less than half of what is said.
 double rounding_of(const std::array<double, 4>& z) {
   const auto [least, most] = std::ranges::minmax(z);
-  return 0x1p-53 * (32 * (most - least) + 4 * std::max(std::abs(least), std::abs(most)));
+  return 0x1p-53 * (16 * (most - least) + 2 * std::max(std::abs(least), std::abs(most)));
 }
 
 }  // namespace
@@ -54,8 +53,11 @@ double twist_of(const SquareDomain& domain, const Square& square) {
 }
 
 double error_everywhere(const SquareDomain& domain, const Square& square, double error) {
-  return error + std::abs(twist_of(domain, square)) / 4 +
-         rounding_of(corner_heights(domain, square));
+  // The twist has three differences, which are no larger than twice the range of the corners.
+  const auto corners = corner_heights(domain, square);
+  const auto [least, most] = std::ranges::minmax(corners);
+  const double more = std::abs(twist_of(domain, square)) / 4 + 0x1p-50 * (most - least);
+  return more > 0 ? std::nextafter(error + more, HUGE_VAL) : error;
 }
 
 }  // namespace lode::surface_quadtree

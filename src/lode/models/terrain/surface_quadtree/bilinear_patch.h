@@ -7,8 +7,7 @@
 namespace lode::surface_quadtree {
 
 /// The height of a square that is wholly in the domain, bilinear between its corners, at the place
-/// of it that is nearest to p (column and row): at a corner the sample's, exactly. Rounding is that
-/// of the square's error, too.
+/// of it that is nearest to p (column and row): at a corner the sample's, exactly.
 [[nodiscard]] TinHeight height_in(const squares::SquareDomain& domain,
                                   const squares::Square& square, const delaunay::Point& p);
 

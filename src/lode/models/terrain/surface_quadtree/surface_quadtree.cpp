@@ -45,19 +45,20 @@ double bilinear_error(const SquareDomain& domain, const Square& square) {
   const auto corner = [&](std::int32_t u, std::int32_t v) {
     return domain.height(square.x() + u, square.y() + v);
   };
-  const double left = corner(0, 0);
-  const double left_step = (corner(0, side) - left) * step;
-  const double right = corner(side, 0);
-  const double right_step = (corner(side, side) - right) * step;
+  // All heights are less one of them, as differences of near numbers are exact.
+  const double base = corner(0, 0);
+  const double left_step = (corner(0, side) - base) * step;
+  const double right = corner(side, 0) - base;
+  const double right_step = (corner(side, side) - corner(side, 0)) * step;
   double worst = 0;
   for (std::int32_t v = 0; v <= side; ++v) {
-    const double begin = left + left_step * v;
+    const double begin = left_step * v;
     const double slope = (right + right_step * v - begin) * step;
     const double* const row = domain.row(square.y() + v) + square.x();
     for (std::int32_t u = 0; u <= side; ++u)
-      worst = std::max(worst, std::abs(row[u] - (begin + slope * u)));
+      worst = std::max(worst, std::abs((row[u] - base) - (begin + slope * u)));
   }
-  return worst;
+  return worst + domain.rounding_in(square, squares::SquarePart::all);
 }
 
 Result<SurfaceQuadtree> SurfaceQuadtree::build(const HeightGrid& grid, Threads threads,

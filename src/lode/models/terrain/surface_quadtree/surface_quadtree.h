@@ -15,8 +15,8 @@ namespace lode::surface_quadtree {
 using squares::Square;
 using squares::SquareDomain;
 
-/// The largest |z - z'| of the samples in a square that is wholly in the domain, z' bilinear
-/// between its corners.
+/// A bound of |z - z'| of the samples in a square that is wholly in the domain, z' bilinear between
+/// its corners: the largest, and SquareDomain::rounding_in() more.
 [[nodiscard]] double bilinear_error(const SquareDomain& domain, const Square& square);
 
 /// The surface quadtree (L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for
