@@ -135,6 +135,29 @@ std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened,
       mapped->measured_at == MeasuredAt::samples ? "samples" : "kept vertices", mapped->target.crs);
 }
 
+/// Where they are larger than what was asked.
+void warn_of_errors(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
+                    Session& session) {
+  if (report.n_beyond > 0 && (!report.view || report.view->is_within_error()))
+    session.warn(
+        fmt::format("the tolerances hold for bilinear squares; at {} samples their triangles err "
+                    "by more than is asked there, by up to {}",
+                    format_count(report.n_beyond), format_number(report.worst_beyond)));
+  if (report.view) {
+    warn_of_view(*report.view, opened.model, opened.terrain.origin().finest_error(), session);
+    if (const auto metric = read_metric(opened.facts.frame.crs))
+      warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, *metric, job.input,
+                   session);
+  } else if (report.is_uniform && opened.model == TerrainModel::surface_quadtree &&
+             !report.is_within_error)
+    session.warn(
+        fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
+                    format_number(report.achieved_error)));
+  else if (report.is_uniform && !job.max_error.empty() && !report.is_within_error)
+    session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
+                             format_number(report.achieved_error)));
+}
+
 void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
              const std::optional<TerrainFocus>& focus, const std::optional<TerrainClip>& clip,
              Session& session) {
@@ -170,18 +193,7 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
                              : opened.lines.has_value() ? "the outline with its lines"
                                                         : "the outline alone",
                              report.triangles));
-  if (report.view) {
-    warn_of_view(*report.view, opened.model, opened.terrain.origin().finest_error(), session);
-    if (const auto metric = read_metric(opened.facts.frame.crs))
-      warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, *metric, job.input,
-                   session);
-  } else if (opened.model == TerrainModel::surface_quadtree && !report.is_within_error)
-    session.warn(
-        fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
-                    format_number(report.achieved_error)));
-  else if (!job.max_error.empty() && !report.is_within_error)
-    session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
-                             format_number(report.achieved_error)));
+  warn_of_errors(report, opened, job, session);
   if (!report.is_uniform && report.is_focus_empty && !report.view)
     session.warn("the focus meets no triangle of the terrain: is it in its CRS?");
   else if (focus)

@@ -91,6 +91,28 @@ TEST_P(cli_quadtree_model, answers_what_it_can_and_refuses_what_it_cannot_by_its
                  {"tolerance", "is known afterwards", "right_triangle_bisection"});
 }
 
+/// Bilinear squares keep what is asked where it is, triangles of them do not: told of as with one
+/// tolerance.
+TEST_P(cli_quadtree_model, says_what_triangles_keep_where_the_tolerance_varies) {
+  if (!has_gaps()) return;
+  const bool is_bilinear = GetParam() == "surface_quadtree";
+  for (const std::vector<std::string>& focus :
+       {std::vector<std::string>{"--box", "500200,500700,4000200,4000600", "--max-error-outside",
+                                 "80"},
+        {"--focus-point", "500600,4000400", "--growth", "0.1"}}) {
+    SCOPED_TRACE(focus[0]);
+    std::vector<std::string> arguments{"extract", model_, out_, "--max-error", "10", "--json"};
+    arguments.insert(arguments.end(), focus.begin(), focus.end());
+    const Finished made = run_lode(arguments);
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.json().at("error_met"), !is_bilinear);
+    EXPECT_EQ(made.json().at("warnings").size(), is_bilinear ? 1U : 0U);
+    if (is_bilinear)
+      EXPECT_NE(made.json().at("warnings").dump().find("more than is asked there"),
+                std::string::npos);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(models, cli_quadtree_model,
                          testing::Values("surface_quadtree", "quaternary_triangulation",
                                          "restricted_quadtree"),

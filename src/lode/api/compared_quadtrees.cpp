@@ -35,7 +35,8 @@ template <typename Tree>
 std::uint64_t extract_demand(const Tree& tree, const HeightGrid& grid, const HeightRange& range,
                              double tolerance) {
   const Demand demand = middle_demand(grid, tolerance);
-  return tin_of_demand(tree, grid, range, demand).triangles.size();
+  return to_tin(tree, QuadtreeDemand(tree.domain(), grid, range, demand).leaves(tree))
+      .triangles.size();
 }
 
 ModelLevels of_sizes(std::int32_t n) { return {n, "sizes of squares, from a cell's on"}; }

@@ -1,7 +1,6 @@
 #include "lode/api/quadtree_demand.h"
 
 #include <array>
-#include <span>
 
 #include "lode/refine/surface_facts.h"
 
@@ -10,21 +9,9 @@ namespace lode {
 using quaternary_triangulation::HalfSquare;
 using quaternary_triangulation::QuaternaryTriangulation;
 using squares::Square;
-using squares::SquareDomain;
 using surface_quadtree::SurfaceQuadtree;
 
 namespace {
-
-/// What a demand sees of a polygon between samples: its error, and where it is in the world.
-NodeFacts facts_of(const SquareDomain& domain, const HeightFrame& frame, const HeightRange& range,
-                   std::span<const LatticePoint> corners, double error) {
-  SurfacePatch patch;
-  for (const LatticePoint p : corners) {
-    const Vec<double, 2> at = frame.world(p.x, p.y);
-    patch.add({{at[0], at[1], domain.height(p.x, p.y)}});
-  }
-  return patch.facts(error, {range.lower, range.upper});
-}
 
 /// The ends of the diagonal from the lower left, then the upper left and the lower right.
 std::array<LatticePoint, 4> corners_of(const Square& square) {
@@ -38,26 +25,28 @@ std::array<LatticePoint, 3> corners_of(const HalfSquare& half) {
   return {all[0], all[1], half.is_upper ? all[2] : all[3]};
 }
 
-bool wants(const Demand& demand, const NodeFacts& facts) {
-  return demand.touches(facts) && demand(facts) > 0;
-}
-
 }  // namespace
 
-delaunay::Tin tin_of_demand(const SurfaceQuadtree& tree, const HeightFrame& frame,
-                            const HeightRange& range, const Demand& demand) {
-  return to_tin(tree, tree.leaves([&](const Square& square) {
-    return wants(demand, facts_of(tree.domain(), frame, range, corners_of(square),
-                                  static_cast<double>(tree.error(square))));
-  }));
+bool QuadtreeDemand::wants(std::span<const LatticePoint> corners, double error) const {
+  SurfacePatch patch;
+  for (const LatticePoint p : corners) {
+    const Vec<double, 2> at = frame_.world(p.x, p.y);
+    patch.add({{at[0], at[1], domain_.height(p.x, p.y)}});
+  }
+  const NodeFacts facts = patch.facts(error, {range_.lower, range_.upper});
+  return demand_.touches(facts) && demand_(facts) > 0;
 }
 
-delaunay::Tin tin_of_demand(const QuaternaryTriangulation& tree, const HeightFrame& frame,
-                            const HeightRange& range, const Demand& demand) {
-  return to_tin(tree, tree.leaves([&](const HalfSquare& triangle) {
-    return wants(demand, facts_of(tree.domain(), frame, range, corners_of(triangle),
-                                  static_cast<double>(tree.error(triangle))));
-  }));
+std::vector<Square> QuadtreeDemand::leaves(const SurfaceQuadtree& tree) const {
+  return tree.leaves([&](const Square& square) {
+    return wants(corners_of(square), static_cast<double>(tree.error(square)));
+  });
+}
+
+std::vector<HalfSquare> QuadtreeDemand::leaves(const QuaternaryTriangulation& tree) const {
+  return tree.leaves([&](const HalfSquare& half) {
+    return wants(corners_of(half), static_cast<double>(tree.error(half)));
+  });
 }
 
 }  // namespace lode

@@ -57,16 +57,46 @@ TerrainModel QuadtreeTerrain::model() const {
 const SquareDomain& QuadtreeTerrain::domain() const { return domain_of(model_); }
 
 delaunay::Tin QuadtreeTerrain::tin_of(const Demand& demand) const {
+  const QuadtreeDemand wanted(domain(), source().frame, source().range, demand);
   if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
-    return tin_of_demand(*tree, source().frame, source().range, demand);
-  return tin_of_demand(std::get<QuaternaryTriangulation>(model_.tree), source().frame,
-                       source().range, demand);
+    return to_tin(*tree, wanted.leaves(*tree));
+  const auto& tree = std::get<QuaternaryTriangulation>(model_.tree);
+  return to_tin(tree, wanted.leaves(tree));
 }
 
 void QuadtreeTerrain::measure_errors(delaunay::Tin& tin) const {
   if (model() != TerrainModel::surface_quadtree) return;
   for (std::size_t t = 0; t < tin.triangles.size(); ++t)
     tin.errors[t] = delaunay::to_float_above(worst_error_in(tin, t, 1, model_.grid));
+}
+
+Result<void> QuadtreeTerrain::judge_triangles(const TerrainFocus& focus,
+                                              SelectedTerrain& selected) const {
+  TerrainReport& report = selected.report;
+  const delaunay::Tin& tin = selected.tin;
+  LODE_TRY(const TerrainDemand demand,
+           TerrainDemand::make(focus, report.max_error, source().frame, source().range));
+  const QuadtreeDemand wanted(domain(), source().frame, source().range, demand.demand());
+  const auto is_beyond = [&](std::span<const LatticePoint> corners, double error) {
+    return error > 0 && wanted.wants(corners, error);
+  };
+  std::vector<bool> is_counted(static_cast<std::size_t>(model_.grid.n_samples()));
+  const auto count = [&](LatticePoint p, double error) {
+    const auto at = static_cast<std::size_t>(std::int64_t{p.y} * domain().size_x() + p.x);
+    if (!is_beyond(std::array{p}, error)) return;
+    report.n_beyond += is_counted[at] ? 0 : 1;
+    is_counted[at] = true;
+    report.worst_beyond = std::max(report.worst_beyond, error);
+  };
+  for (std::size_t t = 0; t < tin.triangles.size(); ++t) {
+    std::array<LatticePoint, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = tin.vertices[tin.triangles[t][i]];
+    // A sample is asked no more than a triangle that it lies in.
+    if (is_beyond(corners, worst_error_in(tin, t, 1, model_.grid)))
+      visit_errors_in(tin, t, 1, model_.grid, count);
+  }
+  if (report.n_beyond > 0) report.is_within_error = false;
+  return {};
 }
 
 Result<delaunay::Tin> QuadtreeTerrain::tin_within(double tolerance, Progress& progress) const {
@@ -142,7 +172,10 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
                               : largest_error(selected.tin);
   // Its squares are within the tolerance before errors are rounded up to floats.
   if (!has_gaps()) report.achieved_error = std::min(report.achieved_error, report.max_error);
-  if (!options.focus) report.is_within_error = report.achieved_error <= report.max_error;
+  if (!options.focus)
+    report.is_within_error = report.achieved_error <= report.max_error;
+  else if (model() == TerrainModel::surface_quadtree)
+    LODE_CHECK(judge_triangles(*options.focus, selected));
   report.seconds = watch.seconds();
   return selected;
 }

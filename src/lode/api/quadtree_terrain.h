@@ -57,6 +57,9 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] delaunay::Tin tin_of(const Demand& demand) const;
   /// Bilinear squares are no triangles: finds what these err by, where a TIN has errors of squares.
   void measure_errors(delaunay::Tin& tin) const;
+  /// Holds triangles of bilinear squares against what a focus asks at each sample in them.
+  [[nodiscard]] Result<void> judge_triangles(const TerrainFocus& focus,
+                                             SelectedTerrain& selected) const;
 
   quadtree_file::QuadtreeModel model_;
 };

@@ -49,8 +49,12 @@ struct TerrainReport {
   /// That holds between samples, too: of the surface that full resolution has.
   bool is_everywhere = false;
   bool is_within_error = true;
-  bool is_uniform = true;                   ///< Else max_error holds in the focus alone.
-  bool is_focus_empty = false;              ///< It lies beside the terrain.
+  bool is_uniform = true;       ///< Else max_error holds in the focus alone.
+  bool is_focus_empty = false;  ///< It lies beside the terrain.
+  /// Samples that err by more than a focus asks where they are, of models whose triangles do not
+  /// keep what the model does; and the largest of their errors.
+  std::uint64_t n_beyond = 0;
+  double worst_beyond = 0;
   std::optional<TerrainViewReport> view{};  ///< Of a focus that has one.
   bool budget_met = true;        ///< Else the domain's outline alone has more than max_cells.
   std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights, or points.

@@ -119,6 +119,15 @@ double worst_error_in(const delaunay::Tin& tin, std::size_t triangle, std::int32
   return worst;
 }
 
+void visit_errors_in(const delaunay::Tin& tin, std::size_t triangle, std::int32_t scale,
+                     const HeightGrid& grid,
+                     const std::function<void(LatticePoint, double)>& visit) {
+  visit_samples(Plane(tin, tin.triangles[triangle]), scale, grid,
+                [&](std::int32_t x, std::int32_t y, double error) {
+                  visit(LatticePoint{x, y}, error);
+                });
+}
+
 TinQuality measure_quality(const delaunay::Tin& tin, std::int32_t scale, const HeightGrid& grid,
                            Threads threads) {
   std::vector<double> errors(static_cast<std::size_t>(grid.n_samples()), kUncovered);

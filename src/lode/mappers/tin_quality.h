@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "lode/core/height_grid.h"
+#include "lode/core/lattice_point.h"
 #include "lode/core/parallel.h"
 #include "lode/delaunay/tin.h"
 
@@ -24,6 +26,11 @@ struct TinAngles {
 /// measure_quality().
 [[nodiscard]] double worst_error_in(const delaunay::Tin& tin, std::size_t triangle,
                                     std::int32_t scale, const HeightGrid& grid);
+
+/// visit(column and row, |z - z'|) of those samples; else the same.
+void visit_errors_in(const delaunay::Tin& tin, std::size_t triangle, std::int32_t scale,
+                     const HeightGrid& grid,
+                     const std::function<void(LatticePoint, double)>& visit);
 
 /// How good a TIN is as an approximation of a grid of heights, and how its triangles are shaped.
 struct TinQuality {
