@@ -117,9 +117,10 @@ inline void expect_within(const delaunay::Tin& tin, std::int32_t scale, const He
 
 /// The conditions of paper 004, section 5, and what the code says of its numbers: triangles and
 /// their refinements form a forest by levels; a triangle that is refined erred beyond the level
-/// that refines it, or an edge of it did; a refinement has two triangles or more; its border is the
-/// triangle's, with vertices in its edges at most; all together are fewer than twice the finest
-/// mesh.
-void expect_hierarchy(const Hierarchy& h);
+/// that refines it, or an edge of it did, which is split then; a refinement has two triangles or
+/// more; its border is the triangle's, with vertices in its edges at most; all together are fewer
+/// than twice the finest mesh. With the raster that it is of errors are found again: of all samples
+/// in a triangle, and where its edges cross columns and rows.
+void expect_hierarchy(const Hierarchy& h, const HeightGrid* grid = nullptr);
 
 }  // namespace lode::test

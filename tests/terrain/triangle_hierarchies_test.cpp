@@ -45,7 +45,7 @@ TEST_P(triangle_hierarchies, have_meshes_that_match_and_keep_their_tolerances) {
 TEST_P(triangle_hierarchies, are_hierarchies_as_the_survey_defines_them) {
   for (const TerrainCase& c : terrain_cases()) {
     SCOPED_TRACE(c.name);
-    expect_hierarchy(build(c.grid));
+    expect_hierarchy(build(c.grid), &c.grid);
   }
 }
 
