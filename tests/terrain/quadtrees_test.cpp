@@ -7,6 +7,7 @@
 #include <set>
 
 #include "lode/mappers/tin_gaps.h"
+#include "lode/mappers/tin_window.h"
 #include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
 #include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
 #include "lode/models/terrain/surface_quadtree/surface_quadtree.h"
@@ -167,6 +168,68 @@ TEST(quaternary_triangulation, splits_by_midpoints) {
   EXPECT_EQ(children,
             (std::vector<HalfSquare>{
                 {{2, 0, 0}, true}, {{2, 0, 1}, true}, {{2, 0, 1}, false}, {{2, 1, 1}, true}}));
+}
+
+bool holds_sample(const Square& square, std::int32_t x, std::int32_t y) {
+  const std::int32_t u = x - square.x();
+  const std::int32_t v = y - square.y();
+  return std::min(u, v) >= 0 && std::max(u, v) <= square.side();
+}
+
+bool holds_sample(const quaternary_triangulation::HalfSquare& half, std::int32_t x,
+                  std::int32_t y) {
+  const std::int32_t u = x - half.square.x();
+  const std::int32_t v = y - half.square.y();
+  return holds_sample(half.square, x, y) && (half.is_upper ? v >= u : u >= v);
+}
+
+/// Of the leaves within a tolerance.
+template <typename Tree>
+void expect_asked_from_above(const Tree& tree, const HeightGrid& grid, double tolerance) {
+  const auto leaves = tree.leaves(tolerance);
+  const Tin tin = to_tin(tree, leaves);
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x < grid.n_columns; ++x) {
+      const auto found = find_leaf(tree, tolerance, {x, y});
+      ASSERT_EQ(found.has_value(), tree.domain().has_node({x, y})) << x << ", " << y;
+      if (!found) continue;
+      EXPECT_NE(std::ranges::find(leaves, *found), leaves.end());
+      EXPECT_TRUE(holds_sample(*found, x, y)) << x << ", " << y;
+    }
+  oracles::Random random(7);
+  for (int i = 0; i < 20; ++i) {
+    const auto below = [&](std::int32_t n) {
+      return static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(n)));
+    };
+    delaunay::Window window{{below(grid.n_columns), below(grid.n_rows)}, {}};
+    window.upper = {window.lower.x + below(grid.n_columns), window.lower.y + below(grid.n_rows)};
+    // keep_in_window() cuts triangles with a rectangle by other means.
+    Tin inside = tin;
+    keep_in_window(inside, grid,
+                   {{{static_cast<double>(window.lower.x), static_cast<double>(window.lower.y)}},
+                    {{static_cast<double>(window.upper.x), static_cast<double>(window.upper.y)}}});
+    EXPECT_EQ(count_in_window(tree, tolerance, window), inside.triangles.size());
+  }
+}
+
+TEST(quadtrees, find_places_and_count_in_windows_without_a_mesh) {
+  for (const Case& c : cases()) {
+    Progress progress;
+    auto squares = surface_quadtree::SurfaceQuadtree::build(c.grid, {2}, progress);
+    auto halves = quaternary_triangulation::QuaternaryTriangulation::build(c.grid, {2}, progress);
+    ASSERT_TRUE(squares && halves);
+    for (const bool has_kept : {false, true}) {
+      if (has_kept) {
+        squares->keep({{1, 1}});
+        halves->keep({{1, 1}});
+      }
+      for (const double tolerance : {150.0, 7.0, 0.0}) {
+        SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+        expect_asked_from_above(*squares, c.grid, tolerance);
+        expect_asked_from_above(*halves, c.grid, tolerance);
+      }
+    }
+  }
 }
 
 /// Of neighbours across a side, no one's side is more than twice the other's.

@@ -102,6 +102,28 @@ void expect_reasons(const TerrainComparison& made) {
   }
 }
 
+/// Squares with gaps are asked without a mesh, and gone along on their own surface; where that is
+/// not in their nature, the page says why.
+void expect_quadtrees_asked(const TerrainComparison& made) {
+  for (const char* name : {"surface_quadtree", "quaternary_triangulation"})
+    for (const ComparedMesh& mesh : named(made, name).meshes) {
+      SCOPED_TRACE(testing::Message() << name << ", " << mesh.tolerance);
+      EXPECT_TRUE(mesh.variable_seconds && mesh.zoom_seconds && mesh.located_per_second);
+      EXPECT_GT(mesh.variable_triangles, 0U);
+      EXPECT_LE(mesh.variable_triangles, mesh.triangles);
+      EXPECT_GT(mesh.zoom_triangles, 0U);
+      EXPECT_LT(mesh.zoom_triangles, mesh.triangles);
+      EXPECT_TRUE(mesh.profile_seconds);
+      EXPECT_GT(mesh.profile_points, 1U);
+    }
+  const ComparedModel& forced = named(made, "surface_quadtree, forced");
+  EXPECT_TRUE(forced.meshes[0].variable_seconds);
+  for (const ComparedModel* model : {&forced, &named(made, "restricted_quadtree")}) {
+    EXPECT_FALSE(model->meshes[0].zoom_seconds || model->meshes[0].located_per_second);
+    EXPECT_NE(model->what.find("before"), std::string::npos) << model->what;
+  }
+}
+
 /// Who keeps no neighbours says so; all others cross edges, and whatever there is took time to be
 /// built.
 void expect_neighbours(const TerrainComparison& made) {
@@ -161,6 +183,7 @@ TEST(terrain_comparison, has_every_model_within_every_tolerance) {
   expect_one_pyramid(made);
   expect_neighbours(made);
   expect_reasons(made);
+  expect_quadtrees_asked(made);
 }
 
 TEST(terrain_comparison, has_the_levels_that_models_have_of_themselves) {

@@ -182,6 +182,11 @@ std::string TerrainCandidate::why_not(ModelPart part) const {
   return {};
 }
 
+Result<std::shared_ptr<const TerrainPatches>> TerrainCandidate::patches(double /*tolerance*/,
+                                                                        Progress& /*progress*/) {
+  return std::shared_ptr<const TerrainPatches>();
+}
+
 std::uint64_t TerrainCandidate::walk(double /*tolerance*/, std::uint64_t /*n_tries*/,
                                      std::uint64_t /*seed*/) {
   return 0;

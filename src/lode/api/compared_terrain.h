@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lode/api/terrain_source.h"
 #include "lode/core/height_grid.h"
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
@@ -85,6 +86,10 @@ class TerrainCandidate {
   /// where the model cannot.
   [[nodiscard]] virtual std::optional<std::uint64_t> locate(
       double tolerance, std::span<const delaunay::LatticePoint> places);
+  /// Of models whose meshes have gaps: the surface within the tolerance, to go along; else null. It
+  /// may use the model.
+  [[nodiscard]] virtual Result<std::shared_ptr<const TerrainPatches>> patches(double tolerance,
+                                                                              Progress& progress);
   [[nodiscard]] virtual Neighbours neighbours() const = 0;
   /// Why it has no such part, of those that it lacks; unless it says otherwise, as it is made anew.
   [[nodiscard]] virtual std::string why_not(ModelPart part) const;

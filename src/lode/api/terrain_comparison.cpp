@@ -193,6 +193,7 @@ class Comparison {
     mesh.memory_bytes = tin.triangles.size() * (2 * sizeof(tin.triangles[0]) + sizeof(float)) +
                         tin.vertices.size() * (sizeof(tin.vertices[0]) + sizeof(double));
     LODE_CHECK(measure_questions(tin, answer.scale, mesh));
+    if (mesh.gaps.n_hanging > 0) LODE_CHECK(measure_patches(model, tolerance, mesh));
     if (progress_.is_cancelled()) return cancelled_error();
     return mesh;
   }
@@ -283,6 +284,20 @@ class Comparison {
                return {};
              }));
     if (seconds > 0 && std::isfinite(sum)) mesh.places_per_second = options_.n_places / seconds;
+    return {};
+  }
+
+  /// A profile over gaps, where the model has what to go along there.
+  Result<void> measure_patches(TerrainCandidate& model, double tolerance,
+                               ComparedMesh& mesh) const {
+    LODE_TRY(const std::shared_ptr<const TerrainPatches> patches,
+             model.patches(tolerance, progress_));
+    if (!patches) return {};
+    const delaunay::Point to{{frame().n_columns - 1.0, frame().n_rows - 1.0}};
+    LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               mesh.profile_points = patches->profile({{0, 0}}, to).size();
+               return {};
+             }));
     return {};
   }
 

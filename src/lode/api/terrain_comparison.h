@@ -42,7 +42,7 @@ struct ComparedMesh {
   /// In the middle quarter of columns and of rows, a sixteenth of the area; outside ten times.
   std::optional<double> variable_seconds{};
   std::uint64_t variable_triangles = 0;
-  std::optional<double> contour_seconds{};  ///< Of meshes without gaps, as profiles.
+  std::optional<double> contour_seconds{};  ///< Of meshes without gaps.
   std::uint64_t contour_points = 0;
   double places_per_second = 0;  ///< One thread; the locator's making apart.
   double locator_seconds = 0;
@@ -53,8 +53,9 @@ struct ComparedMesh {
   std::optional<double> located_per_second{};
   /// Edges crossed in a random walk over the triangles, one thread, by ComparedModel::neighbours.
   std::optional<double> crossed_per_second{};
-  std::optional<double> twins_seconds{};    ///< To find twins by sorting, where meshes lack them.
-  std::optional<double> profile_seconds{};  ///< Along the raster's diagonal.
+  std::optional<double> twins_seconds{};  ///< To find twins by sorting, where meshes lack them.
+  /// Along the raster's diagonal; over gaps on the model's own surface.
+  std::optional<double> profile_seconds{};
   std::uint64_t profile_points = 0;
 
   double rounding = 0;  ///< Of measured errors, and of heights of vertices between samples.

@@ -138,14 +138,11 @@ std::vector<HalfSquare> QuaternaryTriangulation::leaves(
     const HalfSquare triangle = open.back();
     open.pop_back();
     if (!domain_.has(triangle.square)) continue;
-    const bool is_last = triangle.square.level == 0;
-    const squares::KeptCounts kept = domain_.kept_in(triangle.square);
-    const bool has_kept = (triangle.is_upper ? kept.upper : kept.lower) > 0;
-    if (error(triangle) != kOutside && (is_last || (!has_kept && !split(triangle)))) {
+    if (is_leaf(triangle, split)) {
       leaves.push_back(triangle);
       continue;
     }
-    if (is_last) continue;
+    if (triangle.square.level == 0) continue;
     for (int i = 3; i >= 0; --i) open.push_back(triangle.child(i));
   }
   return leaves;
@@ -156,6 +153,47 @@ std::uint64_t QuaternaryTriangulation::n_bytes() const {
   for (const auto& errors : errors_) n += errors.size() * sizeof(errors[0]);
   return n + static_cast<std::uint64_t>(std::int64_t{domain_.size_x()} * domain_.size_y()) *
                  sizeof(double);
+}
+
+std::optional<HalfSquare> find_leaf(const QuaternaryTriangulation& tree, double tolerance,
+                                    LatticePoint p) {
+  const SquareDomain& domain = tree.domain();
+  const auto split = [&](const HalfSquare& half) {
+    return static_cast<double>(tree.error(half)) > tolerance;
+  };
+  for (const Square& cell : squares::cells_around(p)) {
+    if (domain.share(cell) != Share::all) continue;
+    // Of a cell on the diagonal it is the half with that of the cell which holds the sample.
+    const bool is_above = p.y - cell.row >= p.x - cell.column;
+    for (std::int32_t level = domain.root().level;; --level) {
+      const Square square{level, cell.column >> level, cell.row >> level};
+      const std::int32_t off = (cell.row - square.y()) - (cell.column - square.x());
+      const HalfSquare half{square, off == 0 ? is_above : off > 0};
+      if (tree.is_leaf(half, split)) return half;
+    }
+  }
+  return std::nullopt;
+}
+
+std::uint64_t count_in_window(const QuaternaryTriangulation& tree, double tolerance,
+                              const delaunay::Window& window) {
+  std::uint64_t n = 0;
+  const auto split = [&](const HalfSquare& half) {
+    return static_cast<double>(tree.error(half)) > tolerance;
+  };
+  std::vector<HalfSquare> open{{tree.domain().root(), true}, {tree.domain().root(), false}};
+  while (!open.empty()) {
+    const HalfSquare half = open.back();
+    open.pop_back();
+    if (!tree.domain().has(half.square) || !meets_window(corners_of(half), window)) continue;
+    if (tree.is_leaf(half, split)) {
+      ++n;
+      continue;
+    }
+    if (half.square.level == 0) continue;
+    for (int i = 3; i >= 0; --i) open.push_back(half.child(i));
+  }
+  return n;
 }
 
 delaunay::Tin to_tin(const QuaternaryTriangulation& tree, const std::vector<HalfSquare>& leaves) {

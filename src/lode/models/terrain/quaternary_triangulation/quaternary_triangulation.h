@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "lode/core/height_grid.h"
@@ -9,6 +12,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/delaunay/tin.h"
+#include "lode/delaunay/window.h"
 #include "lode/models/terrain/squares/square_domain.h"
 
 namespace lode::quaternary_triangulation {
@@ -65,6 +69,15 @@ class QuaternaryTriangulation {
       const std::function<bool(const HalfSquare&)>& split) const;
   [[nodiscard]] std::uint64_t n_bytes() const;
 
+  /// Whether it is in the domain and stays whole: split(triangle) as of leaves().
+  template <typename Split>
+  [[nodiscard]] bool is_leaf(const HalfSquare& triangle, const Split& split) const {
+    if (std::isinf(error(triangle))) return false;
+    if (triangle.square.level == 0) return true;
+    const squares::KeptCounts kept = domain_.kept_in(triangle.square);
+    return (triangle.is_upper ? kept.upper : kept.lower) == 0 && !split(triangle);
+  }
+
  private:
   /// Cells are in the domain or not; larger triangles where all children are, by their errors.
   [[nodiscard]] bool is_whole(const HalfSquare& triangle) const;
@@ -73,6 +86,16 @@ class QuaternaryTriangulation {
   SquareDomain domain_;
   std::vector<std::vector<std::array<float, 2>>> errors_;  ///< By level; lower and upper half.
 };
+
+/// The leaf within a tolerance that holds a sample, found from above in O(number of levels); of
+/// several that do one. Nothing outside of the domain.
+[[nodiscard]] std::optional<HalfSquare> find_leaf(const QuaternaryTriangulation& tree,
+                                                  double tolerance, LatticePoint p);
+
+/// How many leaves within a tolerance meet a window, found from above: O(number of levels) and what
+/// is counted.
+[[nodiscard]] std::uint64_t count_in_window(const QuaternaryTriangulation& tree, double tolerance,
+                                            const delaunay::Window& window);
 
 [[nodiscard]] delaunay::Tin to_tin(const QuaternaryTriangulation& tree,
                                    const std::vector<HalfSquare>& leaves);

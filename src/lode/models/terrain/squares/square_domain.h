@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,12 @@ struct Square {
     return {level - 1, 2 * column + (i & 1), 2 * row + (i >> 1)};
   }
 };
+
+/// The cells that have a node as a corner, whether or not the raster has them.
+[[nodiscard]] constexpr std::array<Square, 4> cells_around(LatticePoint p) {
+  return {Square{0, p.x, p.y}, Square{0, p.x - 1, p.y}, Square{0, p.x, p.y - 1},
+          Square{0, p.x - 1, p.y - 1}};
+}
 
 /// How much of a square is in the domain.
 enum class Share : std::uint8_t { none, some, all };

@@ -15,25 +15,57 @@ namespace {
 
 using squares::Share;
 
-/// split(square) says whether it is to be, but of a cell, which has no parts; the leaves in the
-/// domain that come of it.
+/// split(square) says whether it is to be, but of a cell, which has no parts.
 template <typename Split>
-std::vector<Square> leaves_by(const SquareDomain& domain, const Split& split) {
-  std::vector<Square> leaves;
+bool is_simple(const SquareDomain& domain, const Square& square, const Split& split) {
+  if (domain.share(square) != Share::all) return false;
+  return square.level == 0 || (domain.kept_in(square).all == 0 && !split(square));
+}
+
+/// The leaves in the domain that come of splitting; visit(square) of those that come of squares for
+/// which is_wanted(square).
+template <typename Split, typename Wanted, typename Visit>
+void visit_leaves(const SquareDomain& domain, const Split& split, const Wanted& is_wanted,
+                  const Visit& visit) {
   std::vector<Square> open{domain.root()};
   while (!open.empty()) {
     const Square square = open.back();
     open.pop_back();
-    const Share share = domain.share(square);
-    if (share == Share::none) continue;
-    const bool is_last = square.level == 0;
-    if (share == Share::all && (is_last || (domain.kept_in(square).all == 0 && !split(square)))) {
-      leaves.push_back(square);
+    if (domain.share(square) == Share::none || !is_wanted(square)) continue;
+    if (is_simple(domain, square, split)) {
+      visit(square);
       continue;
     }
     for (int i = 3; i >= 0; --i) open.push_back(square.child(i));
   }
+}
+
+template <typename Split>
+std::vector<Square> leaves_by(const SquareDomain& domain, const Split& split) {
+  std::vector<Square> leaves;
+  visit_leaves(
+      domain, split, [](const Square&) { return true; },
+      [&](const Square& square) { leaves.push_back(square); });
   return leaves;
+}
+
+auto beyond(const SurfaceQuadtree& tree, double tolerance) {
+  return [&tree, tolerance](const Square& square) {
+    return static_cast<double>(tree.error(square)) > tolerance;
+  };
+}
+
+/// The two triangles of a square, which turn left.
+std::array<delaunay::LatticeCorners, 2> triangles_of(const SquareDomain& domain,
+                                                     const Square& square) {
+  const LatticePoint a{square.x(), square.y()};
+  const LatticePoint c{a.x + square.side(), a.y + square.side()};
+  const LatticePoint b{c.x, a.y};
+  const LatticePoint d{a.x, c.y};
+  const auto height = [&](LatticePoint p) { return domain.height(p.x, p.y); };
+  if (std::abs(height(a) - height(c)) <= std::abs(height(b) - height(d)))
+    return {delaunay::LatticeCorners{a, b, c}, {a, c, d}};
+  return {delaunay::LatticeCorners{a, b, d}, {b, c, d}};
 }
 
 }  // namespace
@@ -112,9 +144,7 @@ std::vector<Square> SurfaceQuadtree::leaves(const std::function<bool(const Squar
 }
 
 std::vector<Square> SurfaceQuadtree::leaves(double tolerance) const {
-  return leaves_by(domain_, [&](const Square& square) {
-    return static_cast<double>(error(square)) > tolerance;
-  });
+  return leaves_by(domain_, beyond(*this, tolerance));
 }
 
 std::uint64_t SurfaceQuadtree::n_bytes() const {
@@ -131,22 +161,37 @@ std::vector<Square> leaves_top_down(const SquareDomain& domain, double tolerance
   });
 }
 
+std::optional<Square> find_leaf(const SurfaceQuadtree& tree, double tolerance, LatticePoint p) {
+  const SquareDomain& domain = tree.domain();
+  for (const Square& cell : squares::cells_around(p)) {
+    if (domain.share(cell) != Share::all) continue;
+    for (std::int32_t level = domain.root().level;; --level) {
+      const Square square{level, cell.column >> level, cell.row >> level};
+      if (is_simple(domain, square, beyond(tree, tolerance))) return square;
+    }
+  }
+  return std::nullopt;
+}
+
+std::uint64_t count_in_window(const SurfaceQuadtree& tree, double tolerance,
+                              const delaunay::Window& window) {
+  std::uint64_t n = 0;
+  const auto is_wanted = [&](const Square& q) {
+    return q.x() <= window.upper.x && q.y() <= window.upper.y &&
+           q.x() + q.side() >= window.lower.x && q.y() + q.side() >= window.lower.y;
+  };
+  visit_leaves(tree.domain(), beyond(tree, tolerance), is_wanted, [&](const Square& square) {
+    for (const delaunay::LatticeCorners& triangle : triangles_of(tree.domain(), square))
+      n += meets_window(triangle, window) ? 1 : 0;
+  });
+  return n;
+}
+
 delaunay::Tin to_tin(const SurfaceQuadtree& tree, const std::vector<Square>& leaves) {
   squares::TinBuilder builder(tree.domain());
   for (const Square& square : leaves) {
     const double error = tree.error(square);
-    const delaunay::LatticePoint a{square.x(), square.y()};
-    const delaunay::LatticePoint c{a.x + square.side(), a.y + square.side()};
-    const delaunay::LatticePoint b{c.x, a.y};
-    const delaunay::LatticePoint d{a.x, c.y};
-    const auto height = [&](delaunay::LatticePoint p) { return tree.domain().height(p.x, p.y); };
-    if (std::abs(height(a) - height(c)) <= std::abs(height(b) - height(d))) {
-      builder.add(a, b, c, error);
-      builder.add(a, c, d, error);
-    } else {
-      builder.add(a, b, d, error);
-      builder.add(b, c, d, error);
-    }
+    for (const auto& [a, b, c] : triangles_of(tree.domain(), square)) builder.add(a, b, c, error);
   }
   return builder.finish();
 }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "lode/core/height_grid.h"
@@ -8,6 +11,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/delaunay/tin.h"
+#include "lode/delaunay/window.h"
 #include "lode/models/terrain/squares/square_domain.h"
 
 namespace lode::surface_quadtree {
@@ -61,6 +65,16 @@ class SurfaceQuadtree {
 
 /// Top-down, as in figure 8: the same leaves, without errors that are kept.
 [[nodiscard]] std::vector<Square> leaves_top_down(const SquareDomain& domain, double tolerance);
+
+/// The leaf within a tolerance that holds a sample, found from above in O(number of levels); of
+/// several that do one. Nothing outside of the domain.
+[[nodiscard]] std::optional<Square> find_leaf(const SurfaceQuadtree& tree, double tolerance,
+                                              LatticePoint p);
+
+/// How many triangles of to_tin() of the leaves within a tolerance meet a window, found from above:
+/// O(number of levels) and what is counted.
+[[nodiscard]] std::uint64_t count_in_window(const SurfaceQuadtree& tree, double tolerance,
+                                            const delaunay::Window& window);
 
 /// Two triangles a square, cut along the diagonal whose ends differ less in height, as bilinear
 /// surfaces are no triangles: their error is another. Errors are those of the squares.
