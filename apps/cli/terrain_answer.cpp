@@ -149,7 +149,7 @@ void warn_of_errors(const TerrainReport& report, const OpenedTerrain& opened, co
       warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, *metric, job.input,
                    session);
   } else if (report.is_uniform && opened.model == TerrainModel::surface_quadtree &&
-             !report.is_within_error)
+             job.query.max_cells.empty() && !report.is_within_error)
     session.warn(
         fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
                     format_number(report.achieved_error)));

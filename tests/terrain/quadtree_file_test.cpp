@@ -243,13 +243,68 @@ TEST_F(quadtree_file, varies_where_there_are_gaps_anyway_or_never) {
     const auto tin = TerrainTin::select(made.terrain(), {.max_error = 1}, {}, progress_);
     EXPECT_EQ(tin.has_value(), !has_gaps(model));
     EXPECT_EQ(extract_terrain(made.terrain(), {.max_cells = 250}, progress_).has_value(),
-              is_bisection);
+              has_gaps(model) || is_bisection);
     if (!varied) continue;
     const auto fine = extract_terrain(made.terrain(), {.max_error = 1}, progress_);
     const auto coarse = extract_terrain(made.terrain(), {.max_error = 20}, progress_);
     ASSERT_TRUE(fine && coarse);
     EXPECT_LT(varied->report.triangles, fine->report.triangles);
     EXPECT_GT(varied->report.triangles, coarse->report.triangles);
+  }
+}
+
+/// The triangles of a model with gaps within each of its errors, which are all tolerances that
+/// make a difference, the least first.
+std::vector<std::uint64_t> counts_by_tolerance(TerrainModel model, const HeightGrid& grid) {
+  Progress progress;
+  const auto squares = SurfaceQuadtree::build(grid, {1}, progress);
+  const auto halves = QuaternaryTriangulation::build(grid, {1}, progress);
+  EXPECT_TRUE(squares && halves);
+  const bool is_of_squares = model == TerrainModel::surface_quadtree;
+  std::set<float> tolerances{0};
+  for (const auto& level : squares->errors())
+    if (is_of_squares) tolerances.insert(level.begin(), level.end());
+  for (const auto& level : halves->errors())
+    for (const auto& pair : level)
+      if (!is_of_squares) tolerances.insert(pair.begin(), pair.end());
+  std::vector<std::uint64_t> counts;
+  for (const float tolerance : tolerances)
+    if (std::isfinite(tolerance))
+      counts.push_back(is_of_squares ? 2 * squares->leaves(static_cast<double>(tolerance)).size()
+                                     : halves->leaves(static_cast<double>(tolerance)).size());
+  return counts;
+}
+
+TEST_F(quadtree_file, finds_the_finest_mesh_of_a_number_of_triangles) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  for (const TerrainModel model :
+       {TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation}) {
+    SCOPED_TRACE(name_of(model));
+    const auto counts = counts_by_tolerance(model, grid);
+    const auto made = BuiltTerrain::build(grid, {.model = model, .levels = {1}}, progress_);
+    ASSERT_TRUE(made);
+    const std::uint64_t least = counts.back();
+    for (const std::uint64_t most : {least, least + 1, 2 * least, 2 * least + 51, counts.front()}) {
+      const auto got = extract_terrain(made->terrain(), {.max_cells = most}, progress_);
+      ASSERT_TRUE(got);
+      EXPECT_TRUE(got->report.budget_met);
+      const auto expected =
+          std::ranges::find_if(counts, [&](std::uint64_t n) { return n <= most; });
+      EXPECT_EQ(got->report.triangles, *expected) << most;
+      // Not finer than a tolerance that is given, too.
+      const auto both =
+          extract_terrain(made->terrain(), {.max_error = 20, .max_cells = most}, progress_);
+      const auto within = extract_terrain(made->terrain(), {.max_error = 20}, progress_);
+      ASSERT_TRUE(both && within);
+      EXPECT_EQ(both->report.triangles, std::min(*expected, within->report.triangles));
+    }
+    const auto fewer = extract_terrain(made->terrain(), {.max_cells = least - 1}, progress_);
+    ASSERT_TRUE(fewer);
+    EXPECT_FALSE(fewer->report.budget_met);
+    EXPECT_EQ(fewer->report.triangles, least);
+    TerrainFocus focus;
+    focus.boxes = {{{{1000, 9e5 - 60}}, {{1060, 9e5}}}};
+    EXPECT_FALSE(extract_terrain(made->terrain(), {.max_cells = 500, .focus = focus}, progress_));
   }
 }
 

@@ -89,7 +89,8 @@ void expect_reasons(const TerrainComparison& made) {
     expect("zoom", all_have(&ComparedMesh::zoom_seconds));
     expect("found", all_have(&ComparedMesh::located_per_second));
     expect("steps", all_have(&ComparedMesh::crossed_per_second));
-    expect("contours, profile", all_have(&ComparedMesh::profile_seconds));
+    expect("contours", all_have(&ComparedMesh::contour_seconds));
+    expect("profile", all_have(&ComparedMesh::profile_seconds));
     // Whatever keeps something is known by its bytes, and making anything takes some.
     const bool keeps_some = !model.is_made_anew;
     EXPECT_EQ(model.memory_bytes.has_value(), keeps_some);

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <utility>
 
+#include "lode/api/quadtree_budget.h"
 #include "lode/api/quadtree_demand.h"
 #include "lode/api/quadtree_patches.h"
 #include "lode/api/terrain_focus.h"
@@ -108,15 +111,29 @@ Result<delaunay::Tin> QuadtreeTerrain::tin_within(double tolerance, Progress& pr
   return to_tin(domain(), leaves);
 }
 
+double QuadtreeTerrain::tolerance_for(const TerrainOptions& options, TerrainReport& report) const {
+  if (!options.max_cells) return report.max_error;
+  const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree);
+  const auto of_cells =
+      tree != nullptr
+          ? tolerance_of_cells(*tree, *options.max_cells)
+          : tolerance_of_cells(std::get<QuaternaryTriangulation>(model_.tree), *options.max_cells);
+  report.budget_met = of_cells.has_value();
+  // A tolerance that fewer triangles keep is not made finer.
+  constexpr double kNoTolerance = std::numeric_limits<double>::max();
+  return std::max(of_cells.value_or(kNoTolerance), options.max_error ? report.max_error : 0);
+}
+
 Result<void> QuadtreeTerrain::check_options(const TerrainOptions& options) const {
   const char* name = name_of(model());
-  if (options.max_cells)
+  if (options.max_cells && !has_gaps())
     return fail(
-        "expected a tolerance for {}, got a number of triangles: its squares are split by "
-        "tolerance "
-        "alone, and how many that makes is known afterwards; a right_triangle_bisection and the "
-        "pyramids find the finest mesh of a number",
+        "expected a tolerance for {}, got a number of triangles: it keeps no errors, is made anew "
+        "for each tolerance, and a smaller one need not make more triangles, as midpoints are "
+        "added one by one; the other quadtrees, a right_triangle_bisection and the pyramids find "
+        "the finest mesh of a number",
         name);
+  if (options.max_cells && options.focus) return fail(kFocusOrCells);
   if (options.focus && !has_gaps())
     return fail("expected one tolerance for {}, which has gaps where it varies, got a focus", name);
   return {};
@@ -136,7 +153,7 @@ Result<SelectedTerrain> QuadtreeTerrain::select_mesh(const TerrainOptions& optio
     if (options.focus->view) measure_errors(selected.tin);
     report_focus(focus, source().frame, selected);
   } else {
-    LODE_TRY(selected.tin, tin_within(report.max_error, progress));
+    LODE_TRY(selected.tin, tin_within(tolerance_for(options, report), progress));
   }
   count_selection(source(), selected);
   return selected;

@@ -53,6 +53,8 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select_mesh(const TerrainOptions& options,
                                                     Progress& progress) const;
   [[nodiscard]] Result<delaunay::Tin> tin_within(double tolerance, Progress& progress) const;
+  /// What the options ask for, or a number of triangles allows, which the report is told of.
+  [[nodiscard]] double tolerance_for(const TerrainOptions& options, TerrainReport& report) const;
   /// Of those with gaps.
   [[nodiscard]] delaunay::Tin tin_of(const Demand& demand) const;
   /// Bilinear squares are no triangles: finds what these err by, where a TIN has errors of squares.

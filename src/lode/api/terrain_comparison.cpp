@@ -152,8 +152,10 @@ class Comparison {
     add(has(&ComparedMesh::zoom_seconds), "zoom", model.why_not(ModelPart::zoom));
     add(has(&ComparedMesh::located_per_second), "found", model.why_not(ModelPart::location));
     add(has(&ComparedMesh::crossed_per_second), "steps", compared.neighbours);
-    add(has(&ComparedMesh::contour_seconds), "contours, profile",
+    add(has(&ComparedMesh::contour_seconds), "contours",
         "lines would break off where triangles leave gaps");
+    add(has(&ComparedMesh::profile_seconds), "profile",
+        "it would break off where triangles leave gaps");
   }
 
   /// Builds it once more, for a file that is removed again.
