@@ -99,8 +99,7 @@ TEST_F(point_reader, finds_the_crs_in_wkt_and_geotiff_keys) {
   EXPECT_NE(file.crs.find("UTM zone 33N"), std::string::npos) << file.crs;
   EXPECT_EQ(file.vertical_unit, "us-ft");
   // GeoTIFF 1.0's number of NAVD88, which is that of its datum.
-  const LasFile old{.points = kFour,
-                    .geo_keys = {1, 1, 0, 2, 3072, 0, 1, 26910, 4096, 0, 1, 5103}};
+  const LasFile old{.points = kFour, .geo_keys = {1, 1, 0, 2, 3072, 0, 1, 26910, 4096, 0, 1, 5103}};
   EXPECT_NE(read(write("o.las", old.bytes())).crs.find("NAVD88"), std::string::npos);
   const LasFile own{.points = kFour, .geo_keys = {1, 1, 0, 1, 3072, 0, 1, 32767}};
   EXPECT_EQ(read(write("d.las", own.bytes())).crs_note, "its GeoTIFF keys have no EPSG code");
