@@ -120,8 +120,8 @@ double QuadtreeTerrain::tolerance_for(const TerrainOptions& options, TerrainRepo
           : tolerance_of_cells(std::get<QuaternaryTriangulation>(model_.tree), *options.max_cells);
   report.budget_met = of_cells.has_value();
   // A tolerance that fewer triangles keep is not made finer.
-  constexpr double kNoTolerance = std::numeric_limits<double>::max();
-  return std::max(of_cells.value_or(kNoTolerance), options.max_error ? report.max_error : 0);
+  constexpr double kAnyError = std::numeric_limits<double>::max();
+  return std::max(of_cells.value_or(kAnyError), options.max_error ? report.max_error : 0);
 }
 
 Result<void> QuadtreeTerrain::check_options(const TerrainOptions& options) const {

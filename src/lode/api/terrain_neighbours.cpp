@@ -80,8 +80,8 @@ Result<NeighboursReport> TerrainTin::neighbours(std::span<const Place> places,
   answers.assign(places.size(), {});
   std::atomic<std::uint64_t> n_triangles{0};
   std::atomic<std::size_t> n_done{0};
-  constexpr std::size_t kPlacesAtOnce = 16;
-  parallel_for(places.size(), options.threads, kPlacesAtOnce, [&](std::size_t i, int) {
+  constexpr std::size_t kFewPlaces = 16;
+  parallel_for(places.size(), options.threads, kFewPlaces, [&](std::size_t i, int) {
     if (progress.is_cancelled() || n_triangles > options.most_triangles) return;
     answers[i] = neighbours_at(*impl_, impl_->find_place(places[i]), options.n_rings);
     n_triangles += answers[i].triangles.size();
