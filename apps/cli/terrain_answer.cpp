@@ -149,9 +149,10 @@ void warn_of_errors(const TerrainReport& report, const OpenedTerrain& opened, co
       warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, *metric, job.input,
                    session);
   } else if (report.is_uniform && opened.model == TerrainModel::surface_quadtree &&
-             job.query.max_cells.empty() && !report.is_within_error)
+             !(job.max_error.empty() && !job.query.max_cells.empty()) && !report.is_within_error)
     session.warn(
-        fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
+        fmt::format("the tolerance{} holds for bilinear squares; their triangles err by up to {}",
+                    job.query.max_cells.empty() ? "" : ", as far as --max-cells allows it,",
                     format_number(report.achieved_error)));
   else if (report.is_uniform && !job.max_error.empty() && !report.is_within_error)
     session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",

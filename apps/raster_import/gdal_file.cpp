@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -20,20 +22,13 @@
 namespace lode::raster_import {
 namespace {
 
-/// Drivers that are not asked. Networks and databases; what puts files together, or reads what
-/// others name; names that are more than those of files; and what lode reads itself.
-constexpr std::array kDenied{"WMS",          "WCS",        "WMTS",      "HTTP",
-                             "PLMOSAIC",     "PLSCENES",   "EEDA",      "EEDAI",
-                             "DAAS",         "NGW",        "OGCAPI",    "RDA",
-                             "STACIT",       "STACTA",     "GeoRaster", "PostGISRaster",
-                             "MSSQLSpatial", "PostgreSQL", "MySQL",     "CARTO",
-                             "AMIGOCLOUD",   "ELASTIC",    "CSW",       "WFS",
-                             "GMLAS",        "VRT",        "DERIVED",   "MEM",
-                             "MRF",          "JPIPKAK",    "TileDB",    "FITS",
-                             "GTI",          "RPFTOC",     "SAFE",      "netCDF",
-                             "HDF5",         "HDF5Image",  "BAG",       "KEA",
-                             "HDF4",         "HDF4Image",  "PDF",       "KMLSUPEROVERLAY",
-                             "MBTiles",      "XYZ"};
+/// The drivers that are asked: of files, or of those and sidecars of their names; and of pictures
+/// that tiles of some are. None for networks or databases, nor what opens whatever it names.
+constexpr std::array<std::string_view, 28> kAsked{
+    "NITF",    "GPKG",     "GRIB",     "AIG",    "ERS",      "RST",   "GTX",
+    "LCP",     "Terragen", "Leveller", "HF2",    "PCRaster", "ILWIS", "ISIS3",
+    "ISIS2",   "PDS",      "VICAR",    "SIGDEM", "BLX",      "ISG",   "KRO",
+    "USGSDEM", "AAIGrid",  "GTiff",    "PNG",    "JPEG",     "WEBP",  "JP2OpenJPEG"};
 
 struct CloseDataset {
   void operator()(void* dataset) const { GDALClose(dataset); }
@@ -45,14 +40,33 @@ using Dataset = std::unique_ptr<void, CloseDataset>;
   throw std::runtime_error(what + (said.empty() ? "nothing that it knows" : said));
 }
 
+void leave_drivers(std::span<const std::string_view> left) {
+  for (int i = GDALGetDriverCount(); i-- > 0;)
+    if (GDALDriverH driver = GDALGetDriver(i);
+        std::find(left.begin(), left.end(), GDALGetDriverShortName(driver)) == left.end())
+      GDALDeregisterDriver(driver);
+}
+
 void set_up_gdal() {
   CPLSetConfigOption("GDAL_DRIVER_PATH", "disable");
   // Files beside it are looked for by name.
   CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "TRUE");
   CPLSetConfigOption("GDAL_TIFF_INTERNAL_MASK", "YES");
   GDALAllRegister();
-  for (const char* name : kDenied)
-    if (GDALDriverH driver = GDALGetDriverByName(name)) GDALDeregisterDriver(driver);
+  // What a file names is not asked of networks, whoever opens it.
+  CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none");
+  leave_drivers(kAsked);
+}
+
+/// Some formats name other files, and GDAL has names for what is no file: none here has such.
+void check_names(const std::string& path) {
+  constexpr std::size_t kHead = std::size_t{1} << 20;
+  std::string head(kHead, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  if (head.find("/vsi") != std::string::npos)
+    throw std::runtime_error("expected a raster that names files alone, got one with '/vsi'");
 }
 
 bool is_packed(const std::string& path) {
@@ -126,17 +140,6 @@ int tell(double fraction, const char* /*message*/, void* told) {
   return TRUE;
 }
 
-/// Before GDAL writes a file it asks all drivers whether there is one of theirs, and some look at
-/// what lies beside: of a descriptor in /proc that is a pipe that never ends. Pictures, of which
-/// other formats have tiles, are told by their first bytes.
-void leave_drivers_of_bytes() {
-  constexpr std::array<std::string_view, 5> kLeft{"GTiff", "PNG", "JPEG", "WEBP", "JP2OpenJPEG"};
-  for (int i = GDALGetDriverCount(); i-- > 0;)
-    if (GDALDriverH driver = GDALGetDriver(i);
-        std::find(kLeft.begin(), kLeft.end(), GDALGetDriverShortName(driver)) == kLeft.end())
-      GDALDeregisterDriver(driver);
-}
-
 void translate(GDALDatasetH dataset, int band, const std::string& output, Told& told) {
   const std::string number = std::to_string(band);
   const std::array<const char*, 7> words{
@@ -157,6 +160,7 @@ void translate(GDALDatasetH dataset, int band, const std::string& output, Told& 
 
 GdalFacts copy_by_gdal(const std::string& path, const Choice& choice, const std::string& output,
                        const std::function<void(double, std::uint64_t)>& progress) {
+  check_names(path);
   set_up_gdal();
   const Dataset dataset = open_raster(path);
   const std::uint64_t n_files = bytes_of_files(path, dataset.get());
@@ -178,7 +182,10 @@ GdalFacts copy_by_gdal(const std::string& path, const Choice& choice, const std:
     facts.notes.push_back("it has " + std::to_string(n_bands) +
                           " bands, of which the first is read: --band says another one");
   Told told{progress, n_bytes};
-  leave_drivers_of_bytes();
+  // Before GDAL writes a file it asks all drivers whether there is one of theirs, and some look at
+  // what lies beside: of a descriptor in /proc that is a pipe that never ends. Pictures, of which
+  // other formats have tiles, are told by their first bytes.
+  leave_drivers(std::span(kAsked).last(5));
   translate(dataset.get(), number, output, told);
   return facts;
 }

@@ -17,9 +17,8 @@ struct GdalFacts {
   std::vector<std::string> notes;  ///< What was taken for granted.
 };
 
-/// Has GDAL open a file (.gz: what it unpacks to) by whichever of its drivers knows it, but for
-/// those that ask networks or databases, put other files together, or read what has a reader of its
-/// own here; and copy its band into a GeoTIFF without compression, with its place, scale, offset,
+/// Has GDAL open a file (.gz: what it unpacks to) by whichever of the drivers for rare formats
+/// knows it, and copy its band into a GeoTIFF without compression, with its place, scale, offset,
 /// unit, nodata value and mask. `path` begins with a slash. Throws std::runtime_error where there
 /// is no raster, no such band, where it has files in other directories, or is larger than its files
 /// could hold, or than what is free where it is written. `progress`: as copy_grid() has it.

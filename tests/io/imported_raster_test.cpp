@@ -46,7 +46,6 @@ constexpr std::array kImportedKinds{ImportedKind{"a.ntf", "NITF", GDT_Int16, 0, 
                                     ImportedKind{"a.grb2", "GRIB", GDT_Float32, 1},
                                     ImportedKind{"a.ers", "ERS"},
                                     ImportedKind{"a.sigdem", "SIGDEM", GDT_Float64},
-                                    ImportedKind{"a.pix", "PCIDSK", GDT_Int16},
                                     ImportedKind{"a.mpr", "ILWIS", GDT_Int16}};
 
 RasterFile half_degree(GDALDataType type) {
@@ -99,8 +98,8 @@ TEST_F(imported_raster, is_unpacked) {
 TEST_F(imported_raster, has_the_band_that_was_chosen_and_says_that_there_are_others) {
   RasterFile written = half_degree(GDT_Int16);
   written.n_bands = 2;
-  const std::string path = (*this)("a.pix");
-  write_raster(path, written, "PCIDSK");
+  const std::string path = (*this)("a.ers");
+  write_raster(path, written, "ERS");
   EXPECT_EQ(read(path).grid.height(0, 0), written.samples[0]);
   EXPECT_EQ(read(path, {.band = 2}).grid.height(0, 0), written.samples[0] + 1000);
   EXPECT_NE(refusal(path, {.band = 3}).find("a band from 1 to 2, got 3"), std::string::npos);
@@ -118,6 +117,12 @@ TEST_F(imported_raster, is_an_error_of_what_is_none) {
       EXPECT_NE(message.find("expected"), std::string::npos) << message;
   }
   EXPECT_NE(refusal((*this)("none.gpkg")).find("none.gpkg"), std::string::npos);
+}
+
+TEST_F(imported_raster, asks_no_network_for_what_it_names) {
+  std::ofstream((*this)("ozi.map")) << "OziExplorer Map Data File Version 2.2\nx\n"
+                                       "/vsicurl/http://127.0.0.1:9/x.tif\n";
+  EXPECT_NE(refusal((*this)("ozi.map")).find("/vsi"), std::string::npos);
 }
 
 /// Whatever its drivers make of them, this process lives, and says which file it was.

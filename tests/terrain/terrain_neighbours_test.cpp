@@ -267,6 +267,18 @@ TEST(terrain_neighbours, hold_everywhere_where_all_samples_are_at_hand) {
   }
 }
 
+TEST(terrain_neighbours, do_not_where_a_last_column_has_other_heights_than_the_first) {
+  const HorizontalMetric metric{
+      .is_known = true, .ellipsoid = kWgs84Ellipsoid, .angle_unit = std::numbers::pi / 180};
+  HeightGrid grid = test::float_grid(
+      37, 20, [](int x, int y) { return (x * 5 + y * 3) % 7 + (x == 36 ? 1000 : 0); });
+  grid.to_world = {-180, 10, 0, 90, 0, -9};
+  const TerrainTin tin = triangles_of(Terrain(grid), {.max_error = 0.5}, metric);
+  const auto found = neighbours_of(tin, {{{-180, 1}}}, 1).front().triangles;
+  ASSERT_FALSE(found.empty());
+  for (const TerrainTriangle& one : found) EXPECT_LT(middle_of(one.corners)[0], 0);
+}
+
 TEST(terrain_neighbours, lie_on_both_sides_of_the_seam_of_what_goes_round) {
   const HorizontalMetric metric{
       .is_known = true, .ellipsoid = kWgs84Ellipsoid, .angle_unit = std::numbers::pi / 180};

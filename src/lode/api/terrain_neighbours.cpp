@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "lode/api/round_terrain.h"
 #include "lode/api/terrain_tin_impl.h"
@@ -55,9 +58,49 @@ TerrainNeighbours neighbours_at(const TerrainTin::Impl& terrain, const Place& at
   return answer;
 }
 
+/// Heights along a column of vertices, by row.
+using Rim = std::vector<std::pair<std::int32_t, double>>;
+
+Rim rim_of(const delaunay::Tin& tin, std::int32_t column) {
+  Rim rim;
+  for (std::size_t v = 0; v < tin.vertices.size(); ++v)
+    if (tin.vertices[v].x == column) rim.emplace_back(tin.vertices[v].y, tin.heights[v]);
+  std::ranges::sort(rim);
+  return rim;
+}
+
+/// Whether a rim is as high as another at all of its own rows, within `allowed`.
+bool is_as_high(const Rim& rim, const Rim& other, double allowed) {
+  return std::ranges::all_of(rim, [&](const auto& here) {
+    const auto above = std::ranges::lower_bound(other, here.first, {}, &Rim::value_type::first);
+    if (above == other.end()) return false;
+    if (above->first == here.first) return std::abs(above->second - here.second) <= allowed;
+    if (above == other.begin()) return false;
+    const auto& [y, z] = *(above - 1);
+    const double share = static_cast<double>(here.first - y) / (above->first - y);
+    return std::abs((1 - share) * z + share * above->second - here.second) <= allowed;
+  });
+}
+
+/// Whether column 0 and that column may be of the same heights, as both are within the error.
+bool have_same_heights(const TerrainTin::Impl& terrain, std::int32_t column) {
+  const Rim first = rim_of(terrain.tin, 0);
+  const Rim last = rim_of(terrain.tin, column);
+  double largest = 0;
+  for (const auto& [y, z] : first) largest = std::max(largest, std::abs(z));
+  const double allowed = 2 * terrain.report.achieved_error + 0x1p-40 * largest;
+  return !first.empty() && is_as_high(first, last, allowed) && is_as_high(last, first, allowed);
+}
+
 }  // namespace
 
-std::int32_t TerrainTin::Impl::period() const { return columns_between_turns(frame, metric); }
+std::int32_t TerrainTin::Impl::period() const {
+  std::call_once(has_period, [this] {
+    const std::int32_t n = columns_between_turns(frame, metric);
+    if (n > 0 && have_same_heights(*this, n)) made_period = n;
+  });
+  return made_period;
+}
 
 const TinNeighbours& TerrainTin::Impl::neighbours() const {
   std::call_once(has_neighbours,
@@ -80,8 +123,8 @@ Result<NeighboursReport> TerrainTin::neighbours(std::span<const Place> places,
   answers.assign(places.size(), {});
   std::atomic<std::uint64_t> n_triangles{0};
   std::atomic<std::size_t> n_done{0};
-  constexpr std::size_t kFewPlaces = 16;
-  parallel_for(places.size(), options.threads, kFewPlaces, [&](std::size_t i, int) {
+  constexpr std::size_t kPlacesOfNeighbours = 16;
+  parallel_for(places.size(), options.threads, kPlacesOfNeighbours, [&](std::size_t i, int) {
     if (progress.is_cancelled() || n_triangles > options.most_triangles) return;
     answers[i] = neighbours_at(*impl_, impl_->find_place(places[i]), options.n_rings);
     n_triangles += answers[i].triangles.size();

@@ -50,6 +50,8 @@ struct TerrainTin::Impl {
   mutable std::unique_ptr<PlaceFinder> made_finder{};
   mutable std::once_flag has_neighbours{};
   mutable std::unique_ptr<TinNeighbours> made_neighbours{};
+  mutable std::once_flag has_period{};
+  mutable std::int32_t made_period = 0;
 
   /// Made when first asked for. Of the TIN.
   [[nodiscard]] const PlaceFinder& finder() const {
@@ -58,7 +60,8 @@ struct TerrainTin::Impl {
   }
   /// The same of what lies beside its triangles.
   [[nodiscard]] const TinNeighbours& neighbours() const;
-  /// The column that is column 0 again, where the terrain goes round the earth to it; else 0.
+  /// The column that is column 0 again, where the terrain goes round the earth to it and has its
+  /// heights there, within the error of both; else 0.
   [[nodiscard]] std::int32_t period() const;
   /// Finds the rectangle of the TIN.
   void find_rectangle();

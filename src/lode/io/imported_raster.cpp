@@ -117,9 +117,9 @@ bool is_netcdf(const std::string& path) {
 
 bool is_imported_path(const std::string& path) {
   constexpr std::array kExtensions{
-      ".ntf", ".nitf", ".gpkg", ".grb", ".grib",   ".grb2",   ".grib2",  ".adf",   ".ers",
-      ".rst", ".gtx",  ".lcp",  ".ter", ".hfz",    ".map",    ".mpr",    ".cub",   ".lbl",
-      ".pix", ".isg",  ".blx",  ".kro", ".sigdem", ".asc.gz", ".dem.gz", ".tif.gz"};
+      ".ntf", ".nitf", ".gpkg", ".grb",    ".grib",   ".grb2",   ".grib2", ".adf", ".ers",
+      ".rst", ".gtx",  ".lcp",  ".ter",    ".hfz",    ".map",    ".mpr",   ".cub", ".lbl",
+      ".isg", ".blx",  ".kro",  ".sigdem", ".asc.gz", ".dem.gz", ".tif.gz"};
   const std::string name = to_lower(path);
   return std::ranges::any_of(kExtensions,
                              [&](const char* extension) { return name.ends_with(extension); });

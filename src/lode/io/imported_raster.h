@@ -17,7 +17,7 @@ namespace lode::io {
 
 /// Whether a file's name is that of a format that GDAL is asked for in a process apart, as its
 /// drivers are rare and many: .ntf, .nitf, .gpkg, .grb, .grib, .grb2, .grib2, .adf, .ers, .rst,
-/// .gtx, .lcp, .ter, .hfz, .map, .mpr, .cub, .lbl, .pix, .sigdem, .blx, .isg, .kro, .asc.gz,
+/// .gtx, .lcp, .ter, .hfz, .map, .mpr, .cub, .lbl, .sigdem, .blx, .isg, .kro, .asc.gz,
 /// .dem.gz and .tif.gz (any case).
 [[nodiscard]] bool is_imported_path(const std::string& path);
 

@@ -52,21 +52,23 @@ Result<void> check_left(const std::string& path, const PointFile& file) {
 
 /// Of text whose heading says longitude and latitude, and nothing what of: WGS 84. Returns what is
 /// to be said of that.
-Result<std::string> take_degrees(PointFile& file) {
-  if (!file.has_degrees || !file.crs.empty()) return std::string();
+std::string take_degrees(PointFile& file) {
+  if (!file.has_degrees || !file.crs.empty()) return "";
   constexpr double kPole = 90;
   constexpr double kTurn = 360;
   const bool may_be = std::ranges::all_of(file.points, [](const Vec3d& p) {
     return std::abs(p[0]) <= kTurn && std::abs(p[1]) <= kPole;
   });
   if (!may_be)
-    return std::string(
-        "its heading says longitude and latitude, but there are some beyond 360 and 90 degrees: "
-        "they are taken for x and y in a plane; --crs says what they are");
-  LODE_TRY(file.crs, to_horizontal_wkt("EPSG:4326"));
-  return std::string(
-      "its longitudes and latitudes are taken for those of WGS 84, as the file does not say: --crs "
-      "says it");
+    return "its heading says longitude and latitude, but there are some beyond 360 and 90 degrees: "
+           "they are taken for x and y in a plane; --crs says what they are";
+  auto degrees = to_horizontal_wkt("EPSG:4326");
+  if (!degrees)
+    return "its heading says longitude and latitude, which are taken for x and y in a plane: " +
+           degrees.error().message;
+  file.crs = std::move(degrees).value();
+  return "its longitudes and latitudes are taken for those of WGS 84, as the file does not say: "
+         "--crs says it";
 }
 
 }  // namespace
@@ -98,7 +100,7 @@ Result<PointFile> read_points(const std::string& path, const PointReadOptions& o
            is_las ? read_las(path, options, progress) : read_point_text(path, options, progress));
   LODE_CHECK(check_left(path, file));
   if (!crs.empty()) file.crs = std::move(crs);
-  LODE_TRY(const std::string note, take_degrees(file));
+  const std::string note = take_degrees(file);
   auto outcome = set_vertical(file, options.vertical, progress);
   if (!outcome && progress.is_cancelled()) return outcome.error();
   if (!outcome) return fail("{}: {}", path, outcome.error().message);

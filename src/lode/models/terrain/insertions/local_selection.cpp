@@ -58,7 +58,7 @@ class Search {
 
   /// meets(t): where false, nothing that is made in its place does.
   template <typename Meets>
-  Result<void> add(const LatticeBox& box, const Meets& meets) {
+  Result<void> add(const LatticeBox& box, const Meets& meets, const Progress& progress) {
     ++round_;
     open_.clear();
     boxes_.for_each([&](const LatticeBox& other) { return other.meets(box); },
@@ -67,6 +67,7 @@ class Search {
                       return true;
                     });
     while (!open_.empty() && !is_beyond()) {
+      if (progress.is_cancelled()) return cancelled_error();
       const std::uint32_t t = open_.back();
       open_.pop_back();
       LODE_TRY(const FileNode death, mesh_.death_of(t));
@@ -120,8 +121,9 @@ Result<delaunay::Tin> tin_around(const HistoryFile& file, std::uint32_t time,
   Search search(file, time);
   for (const Point& p : places) {
     if (progress.is_cancelled()) return cancelled_error();
-    LODE_CHECK(search.add(box_round(p, p),
-                          [&](std::uint32_t t) { return holds_place(search.corners_of(t), p); }));
+    LODE_CHECK(search.add(
+        box_round(p, p), [&](std::uint32_t t) { return holds_place(search.corners_of(t), p); },
+        progress));
   }
   return search.take();
 }
@@ -131,10 +133,13 @@ Result<delaunay::Tin> tin_along(const HistoryFile& file, std::uint32_t time, con
   if (progress.is_cancelled()) return cancelled_error();
   Search search(file, time);
   const LatticeBox box = box_round(a, b);
-  LODE_CHECK(search.add(box, [&](std::uint32_t t) {
-    const LatticeCorners corners = search.corners_of(t);
-    return box_of(corners).meets(box) && !is_beside_line(corners, a, b);
-  }));
+  LODE_CHECK(search.add(
+      box,
+      [&](std::uint32_t t) {
+        const LatticeCorners corners = search.corners_of(t);
+        return box_of(corners).meets(box) && !is_beside_line(corners, a, b);
+      },
+      progress));
   return search.take();
 }
 
@@ -144,8 +149,8 @@ Result<std::optional<delaunay::Tin>> tin_within(const HistoryFile& file, std::ui
   if (progress.is_cancelled()) return cancelled_error();
   Search search(file, time, max_nodes);
   const LatticeBox box = box_round(lower, upper);
-  LODE_CHECK(
-      search.add(box, [&](std::uint32_t t) { return box_of(search.corners_of(t)).meets(box); }));
+  LODE_CHECK(search.add(
+      box, [&](std::uint32_t t) { return box_of(search.corners_of(t)).meets(box); }, progress));
   if (search.is_beyond()) return std::optional<delaunay::Tin>();
   return std::optional(search.take());
 }
