@@ -365,7 +365,8 @@ TEST_F(cli_to_crs, surfaces_are_verified_where_they_are) {
     return run;
   };
   const auto check = [](const Finished& run, const std::string& part) {
-    for (const auto& one : run.json().at("checks"))
+    const nlohmann::json json = run.json();
+    for (const auto& one : json.at("checks"))
       if (one.at("name").get<std::string>().find(part) != std::string::npos) return one;
     return nlohmann::json();
   };
