@@ -12,6 +12,7 @@
 #include "lode/models/terrain/restricted_quadtree/pattern.h"
 #include "lode/models/terrain/surface_quadtree/surface_quadtree.h"
 #include "tests/delaunay/lattice_fixtures.h"
+#include "tests/terrain/nodes_in_triangle.h"
 
 namespace lode {
 namespace {
@@ -63,17 +64,11 @@ ExactError error_of_triangle(const HeightGrid& grid, LatticePoint a, LatticePoin
                              LatticePoint c) {
   ExactError worst{0, delaunay::doubled_area(a, b, c)};
   const auto z = [&](LatticePoint p) { return units(grid.height(p.x, p.y)); };
-  const auto [left, right] = std::minmax({a.x, b.x, c.x});
-  const auto [low, high] = std::minmax({a.y, b.y, c.y});
-  for (LatticePoint p{left, low}; p.y <= high; ++p.y)
-    for (p.x = left; p.x <= right; ++p.x) {
-      const std::int64_t wa = delaunay::doubled_area(b, c, p);
-      const std::int64_t wb = delaunay::doubled_area(c, a, p);
-      const std::int64_t wc = delaunay::doubled_area(a, b, p);
-      if (wa < 0 || wb < 0 || wc < 0) continue;
-      worst.scaled =
-          std::max(worst.scaled, distance(z(p) * worst.area, wa * z(a) + wb * z(b) + wc * z(c)));
-    }
+  test::for_each_node_in(
+      a, b, c, [&](LatticePoint p, std::int64_t wa, std::int64_t wb, std::int64_t wc) {
+        worst.scaled =
+            std::max(worst.scaled, distance(z(p) * worst.area, wa * z(a) + wb * z(b) + wc * z(c)));
+      });
   return worst;
 }
 

@@ -89,6 +89,15 @@ long double largest_bilinear_error(const Square& q, const HeightGrid& grid) {
   return worst;
 }
 
+/// Counting stops at one more than is asked for.
+template <typename Tree>
+void expect_counted(const Tree& tree, double tolerance, std::uint64_t n) {
+  EXPECT_EQ(tree.count_leaves(tolerance, n), n);
+  EXPECT_EQ(tree.count_leaves(tolerance, n + 1000), n);
+  if (n > 0) EXPECT_EQ(tree.count_leaves(tolerance, n - 1), n);
+  if (n > 3) EXPECT_EQ(tree.count_leaves(tolerance, 2), 3U);
+}
+
 TEST(surface_quadtree, is_the_same_from_below_and_from_above) {
   for (const Case& c : cases()) {
     Progress progress;
@@ -97,6 +106,7 @@ TEST(surface_quadtree, is_the_same_from_below_and_from_above) {
     for (const double tolerance : kTolerances) {
       SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
       const auto leaves = tree->leaves(tolerance);
+      expect_counted(*tree, tolerance, leaves.size());
       EXPECT_EQ(leaves, surface_quadtree::leaves_top_down(tree->domain(), tolerance));
       for (const Square& leaf : leaves) {
         EXPECT_LE(static_cast<double>(largest_bilinear_error(leaf, c.grid)), tolerance);
@@ -150,6 +160,7 @@ TEST(quaternary_triangulation, keeps_its_tolerance_and_is_minimal) {
     for (const double tolerance : kTolerances) {
       SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
       const auto leaves = tree->leaves(tolerance);
+      expect_counted(*tree, tolerance, leaves.size());
       const Tin tin = to_tin(*tree, leaves);
       expect_covers(tin, c.grid);
       EXPECT_LE(static_cast<double>(delaunay::test::largest_error(tin, c.grid)), tolerance);

@@ -14,6 +14,7 @@
 #include "lode/api/terrain_selection.h"
 #include "lode/api/terrain_source.h"
 #include "tests/delaunay/lattice_fixtures.h"
+#include "tests/terrain/nodes_in_triangle.h"
 
 namespace lode {
 namespace {
@@ -67,23 +68,17 @@ std::map<std::pair<std::int32_t, std::int32_t>, double> beyond(const delaunay::T
     const LatticePoint b = tin.vertices[t[1]];
     const LatticePoint c = tin.vertices[t[2]];
     const auto area = static_cast<long double>(delaunay::doubled_area(a, b, c));
-    const auto [left, right] = std::minmax({a.x, b.x, c.x});
-    const auto [low, high] = std::minmax({a.y, b.y, c.y});
-    for (LatticePoint p{left, low}; p.y <= high; ++p.y)
-      for (p.x = left; p.x <= right; ++p.x) {
-        const std::int64_t wa = delaunay::doubled_area(b, c, p);
-        const std::int64_t wb = delaunay::doubled_area(c, a, p);
-        const std::int64_t wc = delaunay::doubled_area(a, b, p);
-        if (wa < 0 || wb < 0 || wc < 0) continue;
-        const long double plane = (static_cast<long double>(wa) * tin.heights[t[0]] +
-                                   static_cast<long double>(wb) * tin.heights[t[1]] +
-                                   static_cast<long double>(wc) * tin.heights[t[2]]) /
-                                  area;
-        const auto error = static_cast<double>(std::abs(grid.height(p.x, p.y) - plane));
-        if (error <= asked(grid.world(p.x, p.y))) continue;
-        double& worst = found[{p.x, p.y}];
-        worst = std::max(worst, error);
-      }
+    test::for_each_node_in(
+        a, b, c, [&](LatticePoint p, std::int64_t wa, std::int64_t wb, std::int64_t wc) {
+          const long double plane = (static_cast<long double>(wa) * tin.heights[t[0]] +
+                                     static_cast<long double>(wb) * tin.heights[t[1]] +
+                                     static_cast<long double>(wc) * tin.heights[t[2]]) /
+                                    area;
+          const auto error = static_cast<double>(std::abs(grid.height(p.x, p.y) - plane));
+          if (error <= asked(grid.world(p.x, p.y))) return;
+          double& worst = found[{p.x, p.y}];
+          worst = std::max(worst, error);
+        });
   }
   return found;
 }

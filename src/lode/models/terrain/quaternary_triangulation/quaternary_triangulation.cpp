@@ -125,27 +125,53 @@ bool QuaternaryTriangulation::is_whole(const HalfSquare& triangle) const {
   return true;
 }
 
-std::vector<HalfSquare> QuaternaryTriangulation::leaves(double tolerance) const {
-  return leaves(
-      [&](const HalfSquare& triangle) { return static_cast<double>(error(triangle)) > tolerance; });
-}
+namespace {
 
-std::vector<HalfSquare> QuaternaryTriangulation::leaves(
-    const std::function<bool(const HalfSquare&)>& split) const {
-  std::vector<HalfSquare> leaves;
-  std::vector<HalfSquare> open{{domain_.root(), true}, {domain_.root(), false}};
+/// visit(triangle) of the leaves, in depth-first order, until it is false.
+template <typename Split, typename Visit>
+void visit_leaves(const QuaternaryTriangulation& tree, const Split& split, const Visit& visit) {
+  const SquareDomain& domain = tree.domain();
+  std::vector<HalfSquare> open{{domain.root(), true}, {domain.root(), false}};
   while (!open.empty()) {
     const HalfSquare triangle = open.back();
     open.pop_back();
-    if (!domain_.has(triangle.square)) continue;
-    if (is_leaf(triangle, split)) {
-      leaves.push_back(triangle);
+    if (!domain.has(triangle.square)) continue;
+    if (tree.is_leaf(triangle, split)) {
+      if (!visit(triangle)) return;
       continue;
     }
     if (triangle.square.level == 0) continue;
     for (int i = 3; i >= 0; --i) open.push_back(triangle.child(i));
   }
+}
+
+auto errs_beyond(const QuaternaryTriangulation& tree, double tolerance) {
+  return [&tree, tolerance](const HalfSquare& triangle) {
+    return static_cast<double>(tree.error(triangle)) > tolerance;
+  };
+}
+
+}  // namespace
+
+std::vector<HalfSquare> QuaternaryTriangulation::leaves(double tolerance) const {
+  return leaves(errs_beyond(*this, tolerance));
+}
+
+std::vector<HalfSquare> QuaternaryTriangulation::leaves(
+    const std::function<bool(const HalfSquare&)>& split) const {
+  std::vector<HalfSquare> leaves;
+  visit_leaves(*this, split, [&](const HalfSquare& triangle) {
+    leaves.push_back(triangle);
+    return true;
+  });
   return leaves;
+}
+
+std::uint64_t QuaternaryTriangulation::count_leaves(double tolerance, std::uint64_t most) const {
+  std::uint64_t n = 0;
+  visit_leaves(*this, errs_beyond(*this, tolerance),
+               [&](const HalfSquare&) { return ++n <= most; });
+  return n;
 }
 
 std::uint64_t QuaternaryTriangulation::n_bytes() const {

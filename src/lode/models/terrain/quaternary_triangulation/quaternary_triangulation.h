@@ -67,6 +67,8 @@ class QuaternaryTriangulation {
   /// The same where a triangle that is wholly in the domain is split if split(triangle) says so.
   [[nodiscard]] std::vector<HalfSquare> leaves(
       const std::function<bool(const HalfSquare&)>& split) const;
+  /// How many there are within a tolerance, or most + 1 where there are more.
+  [[nodiscard]] std::uint64_t count_leaves(double tolerance, std::uint64_t most) const;
   [[nodiscard]] std::uint64_t n_bytes() const;
 
   /// Whether it is in the domain and stays whole: split(triangle) as of leaves().

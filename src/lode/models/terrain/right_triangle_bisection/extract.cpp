@@ -1,11 +1,11 @@
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 #include <utility>
 
 #include "lode/core/expects.h"
+#include "lode/core/least_float.h"
 #include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/right_triangle_bisection/sample_numbers.h"
 #include "lode/models/terrain/right_triangle_bisection/scanned_mesh.h"
@@ -210,22 +210,9 @@ std::uint64_t count_triangles(const Bisection& bisection, double tolerance, std:
 }
 
 std::optional<double> tolerance_of_cells(const Bisection& bisection, std::uint64_t max_cells) {
-  // Floats that are >= 0 are in the order of their bits.
-  std::uint32_t low = 0;
-  std::uint32_t high = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
-  const auto fits = [&](std::uint32_t bits) {
-    return count_triangles(bisection, static_cast<double>(std::bit_cast<float>(bits)), max_cells) <=
-           max_cells;
-  };
-  if (!fits(high)) return {};
-  while (low < high) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (fits(middle))
-      high = middle;
-    else
-      low = middle + 1;
-  }
-  return static_cast<double>(std::bit_cast<float>(high));
+  return least_float([&](double tolerance) {
+    return count_triangles(bisection, tolerance, max_cells) <= max_cells;
+  });
 }
 
 }  // namespace lode::bisection

@@ -147,6 +147,14 @@ std::vector<Square> SurfaceQuadtree::leaves(double tolerance) const {
   return leaves_by(domain_, beyond(*this, tolerance));
 }
 
+std::uint64_t SurfaceQuadtree::count_leaves(double tolerance, std::uint64_t most) const {
+  std::uint64_t n = 0;
+  visit_leaves(
+      domain_, beyond(*this, tolerance), [&](const Square&) { return n <= most; },
+      [&](const Square&) { ++n; });
+  return n;
+}
+
 std::uint64_t SurfaceQuadtree::n_bytes() const {
   std::uint64_t n = 0;
   for (const auto& errors : errors_) n += errors.size() * sizeof(float);

@@ -54,6 +54,8 @@ class SurfaceQuadtree {
   [[nodiscard]] std::vector<Square> leaves(double tolerance) const;
   /// The same where a square that is wholly in the domain is split if split(square) says so.
   [[nodiscard]] std::vector<Square> leaves(const std::function<bool(const Square&)>& split) const;
+  /// How many there are within a tolerance, or most + 1 where there are more.
+  [[nodiscard]] std::uint64_t count_leaves(double tolerance, std::uint64_t most) const;
   [[nodiscard]] std::uint64_t n_bytes() const;
 
  private:
