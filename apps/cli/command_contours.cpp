@@ -145,7 +145,8 @@ Result<Outcome> run_contours(const ContourArguments& arguments, Session& session
   const auto accept = [&](const TerrainFacts& facts) {
     return check_known_crs(arguments.output, arguments.terrain.input, facts);
   };
-  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session, accept));
+  const TinUse use = arguments.is_polygons ? TinUse::all : TinUse::lines;
+  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session, accept, use));
   if (!answerer.target) hint_at_wrap(answerer.opened, arguments.terrain.input, session);
   const HeightRange range = answerer.tin.height_range();
   LODE_TRY(const std::vector<double> levels, wanted.within(range.lower, range.upper));

@@ -147,6 +147,8 @@ TEST_P(cli_pyramid_model, answers_as_the_delaunay_pyramid_does) {
         {"profile", "DEM", "--from", "500100,4000100", "--to", "501000,4000700", "--out",
          scratch_ / "out.csv"},
         {"contours", "DEM", scratch_ / "out.csv.vtp", "--interval", "50"},
+        {"contours", "DEM", scratch_ / "out.csv.vtp", "--isovalue", "250"},
+        {"contours", "DEM", scratch_ / "out.csv.vtp", "--isovalue", "1e6"},
         {"sight", "DEM", "--from", "500100,4000100", "--to", "501000,4000700", "--height-unit",
          "metre"},
         {"render", "DEM", scratch_ / "out.csv.png", "--size", "64x48"}})

@@ -81,20 +81,21 @@ void ask_tetra(const TetraDataset& dataset) {
   (void)dataset.verify({.n_random_cuts = 2, .threads = kOne}, progress);
 }
 
-/// Heights from the whole TIN, and from what of it is read for them.
+/// Heights and contours from the whole TIN, and from what of it is read for them.
 void ask_places(const Terrain& terrain, const TerrainOptions& options, Progress& progress) {
   const HeightFrame& frame = terrain.frame();
   const auto middle = frame.world(0.5 * (frame.n_columns - 1), 0.5 * (frame.n_rows - 1));
   const auto corner = frame.world(0, 0);
   for (const double x : {middle[0], middle[1], corner[0], corner[1]})
     if (!std::isfinite(x)) return;
-  for (const TinUse use : {TinUse::all, TinUse::places}) {
+  for (const TinUse use : {TinUse::all, TinUse::places, TinUse::lines}) {
     const auto tin = TerrainTin::select(terrain, options, {}, progress, use);
     if (!tin) continue;
+    if (use != TinUse::places) (void)tin->contours(std::array{terrain.range().lower}, progress);
+    if (use == TinUse::lines) continue;
     std::vector<TerrainHeight> heights;
     (void)tin->heights(std::array{middle, corner}, heights, kOne, progress);
     (void)tin->profile(middle, corner, progress);
-    if (use == TinUse::all) (void)tin->contours(std::array{terrain.range().lower}, progress);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "lode/locate/tin_profile.h"
 #include "lode/models/terrain/insertions/death_finder.h"
 #include "lode/models/terrain/insertions/history_file.h"
+#include "lode/models/terrain/insertions/local_lines.h"
 #include "lode/models/terrain/insertions/local_selection.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "lode/models/terrain/insertions/replay.h"
@@ -204,19 +206,100 @@ TEST_F(insertions_pages, have_the_same_profile_along_a_line) {
   });
 }
 
-/// A raster that has about as much to tell everywhere.
-HeightGrid rough_grid(std::int32_t side) {
+std::size_t count_crossing(const Tin& tin, std::span<const double> heights) {
+  return static_cast<std::size_t>(std::ranges::count_if(tin.triangles, [&](const auto& corner) {
+    const auto [low, high] =
+        std::minmax({tin.heights[corner[0]], tin.heights[corner[1]], tin.heights[corner[2]]});
+    return std::ranges::any_of(heights, [&](double z) { return low <= z && z <= high; });
+  }));
+}
+
+TEST_F(insertions_pages, have_all_triangles_that_heights_cross) {
+  oracles::Random random(13);
+  for_each([&](const LevelledHistory& made, const HistoryFile& file) {
+    const History& history = made.history;
+    if (!history.is_worst_first()) return;
+    for (const std::uint32_t time : {0U, history.n_nodes() / 3, history.n_nodes()}) {
+      const Tin whole = tin_at(history, time, TinLinks::kept);
+      const auto [lowest, highest] = std::ranges::minmax(whole.heights);
+      const auto range = height_range(file, time, kNone, progress_);
+      ASSERT_TRUE(range && *range);
+      EXPECT_EQ((*range)->lower, lowest);
+      EXPECT_EQ((*range)->upper, highest);
+      // At a vertex, at a sample that there may be no vertex of, between, and several.
+      const double vertex = whole.heights[random.below(whole.heights.size())];
+      const double sample = history.heights[random.below(history.heights.size())];
+      for (std::vector<double> heights : {std::vector{vertex},
+                                          {sample},
+                                          {0.7 * lowest + 0.3 * highest},
+                                          {lowest},
+                                          {highest},
+                                          {highest + 1},
+                                          {lowest, vertex + 0.25, highest - 0.125}}) {
+        std::ranges::sort(heights);
+        heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+        const auto part = tin_crossing(file, time, heights, kNone, progress_);
+        ASSERT_TRUE(part && *part);
+        expect_part(**part, whole);
+        EXPECT_EQ(count_crossing(**part, heights), count_crossing(whole, heights));
+        const double expected = expected_crossing(file, time, heights);
+        EXPECT_GE(expected, 0);
+        EXPECT_LE(expected, time);
+      }
+    }
+  });
+}
+
+/// A raster that has about as much to tell everywhere; it rises to the right.
+HeightGrid rough_grid(std::int32_t side, double rise = 0) {
   oracles::Random random(11);
   std::vector<double> noise;
   for (std::int32_t i = 0; i < side * side; ++i)
     noise.push_back(static_cast<double>(random.below(1000)));
   return delaunay::test::make_grid<float>(side, side, [&](std::int32_t x, std::int32_t y) {
     return noise[static_cast<std::size_t>(y * side + x)] + 300 * std::sin(0.05 * x) +
-           200 * std::cos(0.07 * y);
+           200 * std::cos(0.07 * y) + rise * x;
   });
 }
 
-class insertions_reads : public insertions_pages {};
+class insertions_reads : public insertions_pages {
+ protected:
+  /// What of a file's bytes a question reads beyond what opening does.
+  template <typename Ask>
+  double share_of(std::uint64_t size, const Ask& ask) {
+    const auto file = HistoryFile::open(path_);
+    EXPECT_TRUE(file) << file.error().message;
+    const std::uint64_t n_opening = file->reads().n_bytes;
+    EXPECT_LT(n_opening, size / 20);
+    ask(*file);
+    return static_cast<double>(file->reads().n_bytes - n_opening) / static_cast<double>(size);
+  }
+};
+
+/// Of a slope that rises by 48,000 in all, and errs by a thousand at the base: a height crosses a
+/// strip of it.
+TEST_F(insertions_reads, are_near_the_lines_of_a_height) {
+  const LevelledHistory made{test::history_of(rough_grid(240, 200), 1, Model::delaunay_pyramid),
+                             {1000, 500, 250, 1}};
+  const auto size = save(made, path_, progress_, {.n_nodes = 128});
+  ASSERT_TRUE(size) << size.error().message;
+  const std::array<double, 1> height{24000};
+  EXPECT_LT(
+      share_of(*size,
+               [&](const HistoryFile& file) {
+                 const auto tin = tin_crossing(file, file.n_nodes(), height, kNone, progress_);
+                 ASSERT_TRUE(tin && *tin);
+                 EXPECT_GT(count_crossing(**tin, height), 240U);
+                 EXPECT_LT(expected_crossing(file, file.n_nodes(), height), 0.6 * file.n_nodes());
+               }),
+      0.35);
+  EXPECT_LT(share_of(*size,
+                     [&](const HistoryFile& file) {
+                       const auto range = height_range(file, file.n_nodes(), kNone, progress_);
+                       ASSERT_TRUE(range && *range);
+                     }),
+            0.35);
+}
 
 TEST_F(insertions_reads, are_of_what_a_question_takes) {
   const HeightGrid grid = rough_grid(240);
@@ -224,15 +307,7 @@ TEST_F(insertions_reads, are_of_what_a_question_takes) {
                              {1000, 500, 250, 1}};
   const auto size = save(made, path_, progress_, {.n_nodes = 128});
   ASSERT_TRUE(size) << size.error().message;
-  /// What of the file's bytes a question reads beyond what opening does.
-  const auto share = [&](const auto& ask) {
-    const auto file = HistoryFile::open(path_);
-    EXPECT_TRUE(file) << file.error().message;
-    const std::uint64_t n_opening = file->reads().n_bytes;
-    EXPECT_LT(n_opening, *size / 20);
-    ask(*file);
-    return static_cast<double>(file->reads().n_bytes - n_opening) / static_cast<double>(*size);
-  };
+  const auto share = [&](const auto& ask) { return share_of(*size, ask); };
   const auto around = [&](const HistoryFile& file, std::uint32_t time) {
     const std::vector<delaunay::Point> places{{{100.5, 70.25}}};
     const auto tin = tin_around(file, time, places, progress_);

@@ -10,6 +10,7 @@
 #include "lode/api/insertions_selection.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/insertions/extract.h"
+#include "lode/models/terrain/insertions/local_lines.h"
 #include "lode/models/terrain/insertions/local_selection.h"
 #include "lode/models/terrain/insertions/replay.h"
 #include "lode/refine/focus.h"
@@ -56,12 +57,25 @@ class StepParts final : public TerrainParts {
   [[nodiscard]] Result<std::optional<delaunay::Tin>> within(const delaunay::Point& lower,
                                                             const delaunay::Point& upper,
                                                             Progress& progress) const override {
-    // As for a demand: of a great part all are had sooner.
-    constexpr std::uint32_t kGreatPart = 8;
-    return tin_within(*file_, time_, lower, upper, file_->n_nodes() / kGreatPart, progress);
+    return tin_within(*file_, time_, lower, upper, time_ / kGreatPart, progress);
+  }
+  [[nodiscard]] Result<std::optional<delaunay::Tin>> crossing(std::span<const double> heights,
+                                                              Progress& progress) const override {
+    if (expected_crossing(*file_, time_, heights) > kSoonerAll * time_)
+      return std::optional<delaunay::Tin>();
+    const auto most = static_cast<std::uint32_t>(kSoonerAll * time_);
+    return tin_crossing(*file_, time_, heights, most, progress);
+  }
+  [[nodiscard]] Result<std::optional<HeightRange>> height_range(Progress& progress) const override {
+    return insertions::height_range(*file_, time_, time_ / kGreatPart, progress);
   }
 
  private:
+  /// As for a demand: of a great part of the mesh all is had sooner. Of a part that is known to be
+  /// about so large, of more than half.
+  static constexpr std::uint32_t kGreatPart = 8;
+  static constexpr double kSoonerAll = 0.5;
+
   std::shared_ptr<const HistoryFile> file_;
   std::uint32_t time_;
   TerrainReport report_;

@@ -12,16 +12,27 @@
 namespace lode {
 
 HeightRange TerrainTin::height_range() const {
+  if (impl_->range) return *impl_->range;
   LODE_EXPECTS(!impl_->parts);
   const auto [lowest, highest] = std::ranges::minmax(impl_->tin.heights);
   return {lowest, highest};
 }
 
+Result<std::shared_ptr<const delaunay::Tin>> TerrainTin::Impl::tin_crossing(
+    std::span<const double> heights, Progress& progress) const {
+  if (!parts) return std::shared_ptr<const delaunay::Tin>(std::shared_ptr<void>(), &tin);
+  LODE_TRY(std::optional<delaunay::Tin> near, parts->crossing(heights, progress));
+  if (near) return std::make_shared<const delaunay::Tin>(*std::move(near));
+  LODE_TRY(SelectedTerrain whole,
+           terrain->origin().select(options, delaunay::TinLinks::kept, progress));
+  return std::make_shared<const delaunay::Tin>(std::move(whole.tin));
+}
+
 Result<TerrainContours> TerrainTin::contours(std::span<const double> heights,
                                              Progress& progress) const try {
-  LODE_EXPECTS(!impl_->parts);
   const Stopwatch watch;
-  LODE_TRY(ContourSet traced, trace_contours(impl_->tin, heights, KeptLines::drawable, progress));
+  LODE_TRY(const auto tin, impl_->tin_crossing(heights, progress));
+  LODE_TRY(ContourSet traced, trace_contours(*tin, heights, KeptLines::drawable, progress));
   TerrainContours contours;
   contours.n_points = traced.n_points;
   contours.n_left_out = traced.n_left_out;

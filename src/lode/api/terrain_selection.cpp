@@ -71,6 +71,15 @@ Result<std::optional<delaunay::Tin>> TerrainParts::within(const delaunay::Point&
   return std::optional<delaunay::Tin>();
 }
 
+Result<std::optional<delaunay::Tin>> TerrainParts::crossing(std::span<const double> /*heights*/,
+                                                            Progress& /*progress*/) const {
+  return std::optional<delaunay::Tin>();
+}
+
+Result<std::optional<HeightRange>> TerrainParts::height_range(Progress& /*progress*/) const {
+  return std::optional<HeightRange>();
+}
+
 Result<SelectedTerrain> TerrainOrigin::select_triangles(const TerrainOptions& options,
                                                         Progress& progress) const {
   return select(options, delaunay::TinLinks::kept, progress);

@@ -43,6 +43,12 @@ class TerrainParts {
   [[nodiscard]] virtual Result<std::optional<delaunay::Tin>> within(const delaunay::Point& lower,
                                                                     const delaunay::Point& upper,
                                                                     Progress& progress) const;
+  /// The same of those that have one of some heights, which rise strictly, at a corner or between,
+  /// and of others.
+  [[nodiscard]] virtual Result<std::optional<delaunay::Tin>> crossing(
+      std::span<const double> heights, Progress& progress) const;
+  /// Of all vertices; nothing where that takes all of the mesh.
+  [[nodiscard]] virtual Result<std::optional<HeightRange>> height_range(Progress& progress) const;
 };
 
 /// A surface of patches, each with its own error, that need not meet: what a model has whose

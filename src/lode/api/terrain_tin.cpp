@@ -58,6 +58,26 @@ void TerrainTin::Impl::find_rectangle() {
   }
 }
 
+Result<void> TerrainTin::Impl::find_parts(const Terrain& asked, const TerrainOptions& wanted,
+                                          TinUse use, Progress& progress) {
+  if (wanted.samples) return {};
+  const Stopwatch watch;
+  LODE_TRY(auto found, asked.origin().parts(wanted));
+  if (!found) return {};
+  if (use == TinUse::lines) {
+    LODE_TRY(range, found->height_range(progress));
+    if (!range) return {};
+  }
+  parts = std::move(found);
+  report = parts->report();
+  report.seconds = watch.seconds();
+  lower = parts->lower();
+  upper = parts->upper();
+  terrain = asked;
+  options = wanted;
+  return {};
+}
+
 Result<std::vector<ProfilePoint>> TerrainTin::Impl::profile(const Place& a, const Place& b,
                                                             Progress& progress) const {
   if (patches) return patches->profile(a, b);
@@ -70,16 +90,9 @@ Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptio
                                       const HorizontalMetric& metric, Progress& progress,
                                       TinUse use) try {
   auto impl = std::unique_ptr<Impl>(new Impl{terrain.frame(), metric, {}, {}});
-  if (use == TinUse::places && !options.samples) {
-    LODE_TRY(impl->parts, terrain.origin().parts(options));
-    if (impl->parts) {
-      impl->report = impl->parts->report();
-      impl->lower = impl->parts->lower();
-      impl->upper = impl->parts->upper();
-      impl->terrain = terrain;
-      impl->options = options;
-      return TerrainTin(std::move(impl));
-    }
+  if (use == TinUse::places || use == TinUse::lines) {
+    LODE_CHECK(impl->find_parts(terrain, options, use, progress));
+    if (impl->parts) return TerrainTin(std::move(impl));
   }
   if (use == TinUse::places) {
     LODE_TRY(impl->patches, terrain.origin().patches(options, progress));

@@ -92,8 +92,10 @@ struct TerrainSightOptions;
 /// What a TIN is asked for. places: heights(), profile() and sight() alone; of a model in a file
 /// they then read what is near the places, where that is less, and find the same; of one whose
 /// triangles leave gaps there is no use all, and its own surfaces are asked (TerrainPatches).
-/// triangles: neighbours() and height_range() alone, of any model.
-enum class TinUse : std::uint8_t { all, places, triangles };
+/// lines: contours() and height_range() alone; of a model in a file they then read what is near the
+/// lines, where that is less, and trace the same. triangles: neighbours() and height_range() alone,
+/// of any model.
+enum class TinUse : std::uint8_t { all, places, lines, triangles };
 
 /// A TIN of a terrain, to ask of. Const members are safe from many threads.
 class TerrainTin {
@@ -145,7 +147,7 @@ class TerrainTin {
   [[nodiscard]] Result<TerrainSight> sight(const TerrainSightOptions& options,
                                            Progress& progress) const;
 
-  /// Of its vertices.
+  /// Of its vertices. Not of TinUse::places.
   [[nodiscard]] HeightRange height_range() const;
 
   struct Impl;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lode/api/terrain_selection.h"
@@ -41,6 +42,8 @@ struct TerrainTin::Impl {
   std::shared_ptr<const TerrainParts> parts{};  ///< In the TIN's place, where there are.
   /// The same of a model whose surfaces do not meet.
   std::shared_ptr<const TerrainPatches> patches{};
+  /// Of the vertices, where there are parts to trace lines on.
+  std::optional<HeightRange> range{};
   /// Of what parts and patches are.
   std::optional<Terrain> terrain{};
   TerrainOptions options{};
@@ -63,6 +66,12 @@ struct TerrainTin::Impl {
   /// The column that is column 0 again, where the terrain goes round the earth to it and has its
   /// heights there, within the error of both; else 0.
   [[nodiscard]] std::int32_t period() const;
+  /// The mesh's parts, where it has some, and what that use takes of them.
+  [[nodiscard]] Result<void> find_parts(const Terrain& asked, const TerrainOptions& wanted,
+                                        TinUse use, Progress& progress);
+  /// The TIN, or its triangles that have one of some heights, and others.
+  [[nodiscard]] Result<std::shared_ptr<const delaunay::Tin>> tin_crossing(
+      std::span<const double> heights, Progress& progress) const;
   /// Finds the rectangle of the TIN.
   void find_rectangle();
   [[nodiscard]] bool is_in_rectangle(const delaunay::Point& at) const {

@@ -1,10 +1,12 @@
 #include "lode/models/terrain/insertions/local_selection.h"
 
-#include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/models/terrain/insertions/local_mesh.h"
+#include "lode/models/terrain/insertions/local_search.h"
 #include "lode/models/terrain/insertions/place_tests.h"
 
 namespace lode::insertions {
@@ -45,69 +47,6 @@ class DemandedTin {
   const Demand& demand_;
 };
 
-/// Goes down from the base to the triangles of the last time that meet something.
-class Search {
- public:
-  Search(const HistoryFile& file, std::uint32_t time, std::uint32_t max_nodes = kNone)
-      : mesh_(file, time), max_nodes_(max_nodes) {
-    std::vector<LatticeBox> boxes;
-    for (std::uint32_t t = 0; t < mesh_.n_triangles(); ++t)
-      boxes.push_back(box_of(mesh_.corners_of(t)));
-    boxes_ = BoxTree(std::move(boxes));
-  }
-
-  /// meets(t): where false, nothing that is made in its place does.
-  template <typename Meets>
-  Result<void> add(const LatticeBox& box, const Meets& meets, const Progress& progress) {
-    ++round_;
-    open_.clear();
-    boxes_.for_each([&](const LatticeBox& other) { return other.meets(box); },
-                    [&](std::uint32_t t) {
-                      push(t, meets);
-                      return true;
-                    });
-    while (!open_.empty() && !is_beyond()) {
-      if (progress.is_cancelled()) return cancelled_error();
-      const std::uint32_t t = open_.back();
-      open_.pop_back();
-      LODE_TRY(const FileNode death, mesh_.death_of(t));
-      if (death.time == kNone) {
-        found_.push_back(t);
-        continue;
-      }
-      LODE_CHECK(mesh_.apply_death_of(t));
-      const auto [begin, end] = mesh_.made_by(mesh_.triangle(t).removed_by);
-      for (std::uint32_t made = begin; made < end; ++made) push(made, meets);
-    }
-    return {};
-  }
-  [[nodiscard]] LatticeCorners corners_of(std::uint32_t t) const { return mesh_.corners_of(t); }
-  /// More nodes were applied than there may be: what was found is not all.
-  [[nodiscard]] bool is_beyond() const { return mesh_.n_applied() > max_nodes_; }
-  [[nodiscard]] delaunay::Tin take() {
-    std::ranges::sort(found_);
-    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
-    return mesh_.to_tin(std::move(found_), delaunay::TinLinks::kept);
-  }
-
- private:
-  template <typename Meets>
-  void push(std::uint32_t t, const Meets& meets) {
-    if (seen_.size() <= t) seen_.resize(mesh_.n_triangles());
-    if (seen_[t] == round_) return;
-    seen_[t] = round_;
-    if (meets(t)) open_.push_back(t);
-  }
-
-  LocalMesh mesh_;
-  std::uint32_t max_nodes_;
-  BoxTree boxes_;  ///< Of the base's triangles.
-  std::uint32_t round_ = 0;
-  std::vector<std::uint32_t> seen_;  ///< By triangle: in which round it was.
-  std::vector<std::uint32_t> open_;
-  std::vector<std::uint32_t> found_;
-};
-
 }  // namespace
 
 Result<std::optional<delaunay::Tin>> select_tin(const HistoryFile& file, const Demand& demand,
@@ -118,7 +57,7 @@ Result<std::optional<delaunay::Tin>> select_tin(const HistoryFile& file, const D
 
 Result<delaunay::Tin> tin_around(const HistoryFile& file, std::uint32_t time,
                                  std::span<const Point> places, Progress& progress) {
-  Search search(file, time);
+  LocalSearch search(file, time);
   for (const Point& p : places) {
     if (progress.is_cancelled()) return cancelled_error();
     LODE_CHECK(search.add(
@@ -131,7 +70,7 @@ Result<delaunay::Tin> tin_around(const HistoryFile& file, std::uint32_t time,
 Result<delaunay::Tin> tin_along(const HistoryFile& file, std::uint32_t time, const Point& a,
                                 const Point& b, Progress& progress) {
   if (progress.is_cancelled()) return cancelled_error();
-  Search search(file, time);
+  LocalSearch search(file, time);
   const LatticeBox box = box_round(a, b);
   LODE_CHECK(search.add(
       box,
@@ -147,7 +86,7 @@ Result<std::optional<delaunay::Tin>> tin_within(const HistoryFile& file, std::ui
                                                 const Point& lower, const Point& upper,
                                                 std::uint32_t max_nodes, Progress& progress) {
   if (progress.is_cancelled()) return cancelled_error();
-  Search search(file, time, max_nodes);
+  LocalSearch search(file, time, max_nodes);
   const LatticeBox box = box_round(lower, upper);
   LODE_CHECK(search.add(
       box, [&](std::uint32_t t) { return box_of(search.corners_of(t)).meets(box); }, progress));
