@@ -16,6 +16,7 @@
 #include "lode/models/terrain/insertions/history_file.h"
 #include "lode/models/terrain/insertions/local_lines.h"
 #include "lode/models/terrain/insertions/local_selection.h"
+#include "lode/models/terrain/insertions/mesh_replay.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "lode/models/terrain/insertions/replay.h"
 #include "tests/oracles/random.h"
@@ -97,6 +98,18 @@ TEST_F(insertions_pages, replay_to_where_a_band_ends) {
         expect_same(tin_at(*history, time, TinLinks::kept),
                     tin_at(made.history, time, TinLinks::kept));
     }
+  });
+}
+
+TEST_F(insertions_pages, have_the_mesh_of_any_time_square_by_square) {
+  for_each([&](const LevelledHistory& made, const HistoryFile& file) {
+    for (const std::uint32_t time :
+         {0U, 1U, file.n_nodes() / 3, file.n_nodes() - 1, file.n_nodes()})
+      for (const std::size_t n : {std::size_t{2}, std::size_t{9}, kNodesInSquare}) {
+        const auto tin = tin_at(file, std::min(time, file.n_nodes()), progress_, n);
+        ASSERT_TRUE(tin) << tin.error().message;
+        expect_same(*tin, tin_at(made.history, std::min(time, file.n_nodes()), TinLinks::kept));
+      }
   });
 }
 

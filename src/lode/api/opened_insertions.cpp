@@ -12,6 +12,7 @@
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/models/terrain/insertions/local_lines.h"
 #include "lode/models/terrain/insertions/local_selection.h"
+#include "lode/models/terrain/insertions/mesh_replay.h"
 #include "lode/models/terrain/insertions/replay.h"
 #include "lode/refine/focus.h"
 
@@ -114,17 +115,34 @@ Result<std::shared_ptr<const OpenedInsertions>> OpenedInsertions::open(const std
 
 TerrainModel OpenedInsertions::model() const { return terrain_model_of(file_->base().model); }
 
-/// Up to the time of the tolerance; of a number of triangles, to where there are more.
-std::size_t OpenedInsertions::n_bands_for(const TerrainOptions& options, double tolerance) const {
-  if (!file_->base().is_worst_first()) return file_->bands().size();
+std::optional<std::uint32_t> OpenedInsertions::time_for(const TerrainOptions& options,
+                                                        double tolerance) const {
+  if (options.max_cells && !options.max_error) return {};
   const ToleranceStep& step = step_within(file_->steps(), tolerance);
-  const bool is_of_tolerance = !options.max_cells || options.max_error;
-  if (is_of_tolerance && (!options.max_cells || step.n_triangles <= *options.max_cells))
-    return file_->n_bands_before(step.time);
+  if (options.max_cells && step.n_triangles > *options.max_cells) return {};
+  return step.time;
+}
+
+/// Of a number of triangles, to where there are more.
+std::size_t OpenedInsertions::n_bands_for(const TerrainOptions& options) const {
+  if (!file_->base().is_worst_first()) return file_->bands().size();
   const auto beyond = std::ranges::find_if(file_->steps(), [&](const ToleranceStep& other) {
     return other.n_triangles > *options.max_cells;
   });
   return file_->n_bands_before(beyond == file_->steps().end() ? file_->n_nodes() : beyond->time);
+}
+
+Result<delaunay::Tin> OpenedInsertions::tin_of_time(std::uint32_t time, Progress& progress) const {
+  const std::size_t n_bands = file_->n_bands_before(time);
+  bool is_first = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_first = !has_answered_ && (!history_ || n_bands_ < n_bands);
+    has_answered_ = true;
+  }
+  if (is_first) return tin_at(*file_, time, progress);
+  LODE_TRY(const auto replayed, history(n_bands, progress));
+  return tin_at(*replayed, time, delaunay::TinLinks::kept);
 }
 
 Result<std::shared_ptr<const History>> OpenedInsertions::history(std::size_t n_bands,
@@ -175,8 +193,11 @@ Result<SelectedTerrain> OpenedInsertions::select(const TerrainOptions& options, 
   } else if (!base.is_worst_first() && !options.max_cells) {
     LODE_TRY(selected.tin, tin_of_demand(uniform_demand(tolerance), progress));
     selected.report.is_within_error = base.max_error <= tolerance;
+  } else if (const auto time = time_for(options, tolerance); time && base.is_worst_first()) {
+    LODE_TRY(selected.tin, tin_of_time(*time, progress));
+    selected.report.is_within_error = base.max_error <= tolerance;
   } else {
-    LODE_TRY(const auto replayed, history(n_bands_for(options, tolerance), progress));
+    LODE_TRY(const auto replayed, history(n_bands_for(options), progress));
     selected.tin = uniform_tin(*replayed, base.max_error, options, tolerance, selected.report);
   }
   finish_report(base, {base.max_error, file_->steps().back().n_triangles}, tolerance, watch,

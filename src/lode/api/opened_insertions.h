@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "lode/api/built_model.h"
@@ -47,7 +49,12 @@ class OpenedInsertions final : public BuiltModel {
   /// Of the fewest nodes that a demand wants: from the pages near them, or of a great part of all
   /// nodes from all.
   [[nodiscard]] Result<delaunay::Tin> tin_of_demand(const Demand& demand, Progress& progress) const;
-  [[nodiscard]] std::size_t n_bands_for(const TerrainOptions& options, double tolerance) const;
+  /// The time whose mesh the options mean, where a tolerance says which.
+  [[nodiscard]] std::optional<std::uint32_t> time_for(const TerrainOptions& options,
+                                                      double tolerance) const;
+  [[nodiscard]] std::size_t n_bands_for(const TerrainOptions& options) const;
+  /// By the history where that is at hand, or such a mesh is asked for again.
+  [[nodiscard]] Result<delaunay::Tin> tin_of_time(std::uint32_t time, Progress& progress) const;
   /// With the nodes of the first bands, or more. Kept for the next question.
   [[nodiscard]] Result<std::shared_ptr<const insertions::History>> history(
       std::size_t n_bands, Progress& progress) const;
@@ -59,7 +66,8 @@ class OpenedInsertions final : public BuiltModel {
   std::shared_ptr<const insertions::HistoryFile> file_;
   mutable std::mutex mutex_;
   mutable std::shared_ptr<const insertions::History> history_;
-  mutable std::size_t n_bands_ = 0;  ///< Of the history.
+  mutable std::size_t n_bands_ = 0;    ///< Of the history.
+  mutable bool has_answered_ = false;  ///< With a mesh of a time.
   mutable std::shared_ptr<const InsertionsTerrain> whole_;
 };
 

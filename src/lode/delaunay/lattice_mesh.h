@@ -80,6 +80,27 @@ class NodeMesh {
   [[nodiscard]] bool try_insert(std::uint32_t p, std::uint32_t t,
                                 std::span<const std::uint32_t>& slots);
 
+  enum class Insertion : std::uint8_t { done, refused, impossible };
+  /// The same of a mesh without cuts: refused, and nothing done, where may_change(t) is false of a
+  /// triangle that would be removed, or of one beside those; `slots` are then those to be removed.
+  template <typename MayChange>
+  [[nodiscard]] Insertion insert_if(std::uint32_t p, std::uint32_t t, const MayChange& may_change,
+                                    std::span<const std::uint32_t>& slots) {
+    const LatticePoint point = nodes_.unpack(p);
+    remove_for(point, t);
+    slots = slots_;
+    const bool may_all = std::ranges::all_of(slots_, may_change) &&
+                         std::ranges::all_of(border_, [&](const BorderEdge& edge) {
+                           return edge.twin == kNoHalfEdge || may_change(edge.twin / 4);
+                         });
+    if (!may_all) return Insertion::refused;
+    const std::size_t split = split_edge(point);
+    if (!is_disk_round(point, split)) return Insertion::impossible;
+    fill_fan(p, split);
+    slots = slots_;
+    return Insertion::done;
+  }
+
   /// Turns edges that are not Delaunay, from half-edges (4 times a triangle and its edge) of those
   /// that may not be, until all are (C. Lawson, "Software for C1 surface interpolation", 1977).
   /// Returns the triangles that became others, some twice.

@@ -26,6 +26,11 @@ struct LatticeBox {
     add(box.lower);
     add(box.upper);
   }
+  /// Whether all of another one is in it.
+  [[nodiscard]] bool has(const LatticeBox& other) const {
+    return lower.x <= other.lower.x && other.upper.x <= upper.x && lower.y <= other.lower.y &&
+           other.upper.y <= upper.y;
+  }
   [[nodiscard]] bool meets(const LatticeBox& other) const {
     return lower.x <= other.upper.x && other.lower.x <= upper.x && lower.y <= other.upper.y &&
            other.lower.y <= upper.y;
