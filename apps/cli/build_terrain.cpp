@@ -136,7 +136,13 @@ Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app
   return check_paths_differ({job.input}, {job.output});
 }
 
-void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table) {
+bool is_in_angles(const std::string& crs) {
+  const auto metric = read_metric(crs);
+  return metric && metric->ellipsoid;
+}
+
+void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, const std::string& crs,
+                       Json& json, Table& table) {
   json["range"] = {info.range.lower, info.range.upper};
   json["samples"] = info.n_samples;
   json["left_out_samples"] = info.n_left_out;
@@ -167,6 +173,13 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
                                    : "")});
   table.add({"finest error", fmt::format("{} at samples", format_number(info.max_error))});
   add_level_rows(info, json, table);
+  if (info.levels.empty()) return;
+  const bool is_plane_of_angles = is_in_angles(crs);
+  json["angles_are_in"] = is_plane_of_angles ? "plane of longitudes and latitudes" : "plane";
+  if (is_plane_of_angles)
+    table.add({"angles",
+               "in the plane of longitudes and latitudes: a degree east as long as one "
+               "north"});
 }
 
 Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) {
@@ -191,7 +204,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   add_facts(opened.facts, json, table);
   add_lines(opened, json, table);
   table.add({"model", name_of(opened.model)});
-  add_built_terrain(info, opened.model, json, table);
+  add_built_terrain(info, opened.model, opened.facts.frame.crs, json, table);
   json["file_bytes"] = n_bytes;
   json["seconds"] = {
       {"total", build_seconds + write_seconds}, {"build", build_seconds}, {"write", write_seconds}};

@@ -21,7 +21,10 @@ struct TerrainBuildJob {
 [[nodiscard]] Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app);
 [[nodiscard]] Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session);
 
-/// The keys and rows of what a built model has.
-void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table);
+/// The keys and rows of what a built model has, in that CRS.
+void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, const std::string& crs,
+                       Json& json, Table& table);
+/// Whether coordinates are longitudes and latitudes; not where PROJ does not know.
+[[nodiscard]] bool is_in_angles(const std::string& crs);
 
 }  // namespace lode::cli

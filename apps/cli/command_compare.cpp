@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "build_terrain.h"
 #include "command.h"
 #include "comparison_page.h"
 #include "input.h"
@@ -92,6 +93,8 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   json["seed"] = options.seed;
   json["memory_limit"] = comparison->memory_limit;
   json["models"] = comparison_json(*comparison);
+  json["angles_are_in"] =
+      is_in_angles(opened.facts.frame.crs) ? "plane of longitudes and latitudes" : "plane";
   json["seconds"] = {{"total", comparison->seconds}};
   json["warnings"] = session.warnings();
   const HeightFrame& frame = opened.facts.frame;
@@ -100,7 +103,8 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
       opened.points ? format_count(opened.points->points.nodes.size()) + " scattered points"
                     : fmt::format("{} x {}", frame.n_columns, frame.n_rows),
       frame.vertical_unit,
-      fmt::format("{} of {} runs each", options.n_runs == 1 ? "times" : "medians", options.n_runs)};
+      fmt::format("{} of {} runs each", options.n_runs == 1 ? "times" : "medians", options.n_runs),
+      is_in_angles(frame.crs)};
   LODE_CHECK(
       write_text(arguments.output, comparison_page(*comparison, about, json), session.progress()));
   outcome.text = table_of(*comparison, arguments.output);

@@ -286,9 +286,13 @@ std::string comparison_page(const TerrainComparison& comparison, const ComparedR
       "sixteenth of the area, ten times outside. Zoom: the triangles that meet the same part, from "
       "the model, without a mesh. Found: samples located in the model, one thread, without a mesh. "
       "Contours: 20 levels. Heights: random places, one thread. Steps: a random walk from triangle "
-      "to triangle, over edges, one thread. Profile: along the diagonal. MB: triangles, what is "
+      "to triangle, over edges, one thread. Profile: near the diagonal. MB: triangles, what is "
       "beside them, errors and vertices. Times are medians. – stands for what a model has not; "
       "the list above says why.</p>\n";
+  if (raster.is_in_angles)
+    html +=
+        "<p class=\"note\">Angles of triangles are those in the plane of longitudes and latitudes, "
+        "where a degree east is as long as one north.</p>\n";
   html += plots(comparison, raster.unit);
   // The selector is never refused.
   const std::size_t n = comparison.models.front().meshes.size();

@@ -13,6 +13,7 @@ struct ComparedRaster {
   std::string size;  ///< "4320 x 2161, int16"
   std::string unit;  ///< Of heights; empty: not known.
   std::string machine;
+  bool is_in_angles = false;  ///< Columns and rows are of longitudes and latitudes.
 };
 
 /// All that was measured.

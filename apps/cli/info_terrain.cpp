@@ -23,7 +23,7 @@ Result<Outcome> run_model_info(const std::string& path, Session& session) {
   add_facts(opened.facts, outcome.json, table);
   LODE_CHECK(add_extent(opened.facts, outcome.json, table));
   LODE_TRY(const BuiltTerrainInfo info, opened.built->describe(session.progress()));
-  add_built_terrain(info, opened.model, outcome.json, table);
+  add_built_terrain(info, opened.model, opened.facts.frame.crs, outcome.json, table);
   outcome.text = table.to_string();
   return outcome;
 }

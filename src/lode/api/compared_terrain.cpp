@@ -13,6 +13,7 @@
 #include "lode/api/terrain_selection.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/delaunay_selector/selector.h"
 
 namespace lode {
 namespace {
@@ -42,12 +43,14 @@ class Selector final : public TerrainCandidate {
     return {};
   }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
-    const TerrainOptions options{.max_error = tolerance, .max_cells = {}, .order = order_};
-    LODE_TRY(SelectedTerrain selected,
-             points_ != nullptr
-                 ? select_terrain(*points_, options, delaunay::TinLinks::kept, progress)
-                 : select_terrain(*grid_, options, delaunay::TinLinks::kept, progress));
-    return Answer{.tin = std::move(selected.tin), .stated_error = selected.report.achieved_error};
+    // Not select_terrain(), which takes all samples for a tolerance of 0.
+    const delaunay_selector::SelectorOptions options{
+        .max_error = tolerance, .order = order_, .links = delaunay::TinLinks::kept};
+    LODE_TRY(delaunay_selector::Selection selected,
+             points_ != nullptr ? delaunay_selector::select_points(points_->points, points_->domain,
+                                                                   options, progress)
+                                : delaunay_selector::select_samples(*grid_, options, progress));
+    return Answer{.tin = std::move(selected.tin), .stated_error = selected.achieved_error};
   }
   [[nodiscard]] bool is_made_anew() const override { return true; }
   [[nodiscard]] ModelLevels levels() const override { return no_levels(); }

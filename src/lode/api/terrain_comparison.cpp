@@ -295,9 +295,9 @@ class Comparison {
     LODE_TRY(const std::shared_ptr<const TerrainPatches> patches,
              model.patches(tolerance, progress_));
     if (!patches) return {};
-    const delaunay::Point to{{frame().n_columns - 1.0, frame().n_rows - 1.0}};
+    const auto [from, to] = line_across(1);
     LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
-               mesh.profile_points = patches->profile({{0, 0}}, to).size();
+               mesh.profile_points = patches->profile(from, to).size();
                return {};
              }));
     return {};
@@ -311,8 +311,7 @@ class Comparison {
                mesh.contour_points = found.n_points;
                return {};
              }));
-    const delaunay::Point from{{0, 0}};
-    const delaunay::Point to{{scale * (frame().n_columns - 1), scale * (frame().n_rows - 1)}};
+    const auto [from, to] = line_across(scale);
     LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
                mesh.profile_points = tin_profile(tin, from, to).size();
                return {};
@@ -320,6 +319,12 @@ class Comparison {
     return {};
   }
 
+  /// Near the diagonal, which is an edge of many models' bases, and of some of all their meshes.
+  [[nodiscard]] std::array<delaunay::Point, 2> line_across(double scale) const {
+    const double width = scale * (frame().n_columns - 1);
+    const double height = scale * (frame().n_rows - 1);
+    return {{{{0.01 * width, 0.03 * height}}, {{0.98 * width, 0.99 * height}}}};
+  }
   [[nodiscard]] const HeightFrame& frame() const { return ground_.frame(); }
   /// So many eighths.
   static std::int32_t part(std::int32_t n, std::int32_t eighths) {
