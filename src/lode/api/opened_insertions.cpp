@@ -115,12 +115,11 @@ Result<std::shared_ptr<const OpenedInsertions>> OpenedInsertions::open(const std
 
 TerrainModel OpenedInsertions::model() const { return terrain_model_of(file_->base().model); }
 
-std::optional<std::uint32_t> OpenedInsertions::time_for(const TerrainOptions& options,
-                                                        double tolerance) const {
-  if (options.max_cells && !options.max_error) return {};
+const ToleranceStep* OpenedInsertions::step_for(const TerrainOptions& options,
+                                                double tolerance) const {
+  if (!file_->base().is_worst_first() || (options.max_cells && !options.max_error)) return nullptr;
   const ToleranceStep& step = step_within(file_->steps(), tolerance);
-  if (options.max_cells && step.n_triangles > *options.max_cells) return {};
-  return step.time;
+  return options.max_cells && step.n_triangles > *options.max_cells ? nullptr : &step;
 }
 
 /// Of a number of triangles, to where there are more.
@@ -132,17 +131,28 @@ std::size_t OpenedInsertions::n_bands_for(const TerrainOptions& options) const {
   return file_->n_bands_before(beyond == file_->steps().end() ? file_->n_nodes() : beyond->time);
 }
 
-Result<delaunay::Tin> OpenedInsertions::tin_of_time(std::uint32_t time, Progress& progress) const {
-  const std::size_t n_bands = file_->n_bands_before(time);
+Result<delaunay::Tin> OpenedInsertions::tin_of_step(const ToleranceStep& step,
+                                                    Progress& progress) const {
+  const std::size_t n_bands = file_->n_bands_before(step.time);
   bool is_first = false;
   {
     const std::lock_guard lock(mutex_);
     is_first = !has_answered_ && (!history_ || n_bands_ < n_bands);
     has_answered_ = true;
   }
-  if (is_first) return tin_at(*file_, time, progress);
-  LODE_TRY(const auto replayed, history(n_bands, progress));
-  return tin_at(*replayed, time, delaunay::TinLinks::kept);
+  delaunay::Tin tin;
+  if (is_first) {
+    LODE_TRY(tin, tin_at(*file_, step.time, progress));
+  } else {
+    LODE_TRY(const auto replayed, history(n_bands, progress));
+    tin = tin_at(*replayed, step.time, delaunay::TinLinks::kept);
+  }
+  const double largest = largest_error(tin);
+  if (tin.triangles.size() != step.n_triangles || largest != static_cast<double>(step.largest))
+    return fail(
+        "{}: expected {} triangles that err by up to {} after {} nodes, got {}, by up to {}",
+        file_->path(), step.n_triangles, step.largest, step.time, tin.triangles.size(), largest);
+  return tin;
 }
 
 Result<std::shared_ptr<const History>> OpenedInsertions::history(std::size_t n_bands,
@@ -193,8 +203,8 @@ Result<SelectedTerrain> OpenedInsertions::select(const TerrainOptions& options, 
   } else if (!base.is_worst_first() && !options.max_cells) {
     LODE_TRY(selected.tin, tin_of_demand(uniform_demand(tolerance), progress));
     selected.report.is_within_error = base.max_error <= tolerance;
-  } else if (const auto time = time_for(options, tolerance); time && base.is_worst_first()) {
-    LODE_TRY(selected.tin, tin_of_time(*time, progress));
+  } else if (const ToleranceStep* const step = step_for(options, tolerance); step != nullptr) {
+    LODE_TRY(selected.tin, tin_of_step(*step, progress));
     selected.report.is_within_error = base.max_error <= tolerance;
   } else {
     LODE_TRY(const auto replayed, history(n_bands_for(options), progress));

@@ -49,12 +49,14 @@ class OpenedInsertions final : public BuiltModel {
   /// Of the fewest nodes that a demand wants: from the pages near them, or of a great part of all
   /// nodes from all.
   [[nodiscard]] Result<delaunay::Tin> tin_of_demand(const Demand& demand, Progress& progress) const;
-  /// The time whose mesh the options mean, where a tolerance says which.
-  [[nodiscard]] std::optional<std::uint32_t> time_for(const TerrainOptions& options,
-                                                      double tolerance) const;
+  /// Where the mesh is that the options mean, if a tolerance says which; null else.
+  [[nodiscard]] const insertions::ToleranceStep* step_for(const TerrainOptions& options,
+                                                          double tolerance) const;
   [[nodiscard]] std::size_t n_bands_for(const TerrainOptions& options) const;
   /// By the history where that is at hand, or such a mesh is asked for again.
-  [[nodiscard]] Result<delaunay::Tin> tin_of_time(std::uint32_t time, Progress& progress) const;
+  /// Fails, naming the file, where it is not what the step says.
+  [[nodiscard]] Result<delaunay::Tin> tin_of_step(const insertions::ToleranceStep& step,
+                                                  Progress& progress) const;
   /// With the nodes of the first bands, or more. Kept for the next question.
   [[nodiscard]] Result<std::shared_ptr<const insertions::History>> history(
       std::size_t n_bands, Progress& progress) const;

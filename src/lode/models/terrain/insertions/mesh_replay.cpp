@@ -196,6 +196,10 @@ class MeshReplay {
     border_.clear();
     for (const std::uint32_t slot : slots.first(n_removed))
       border_.insert(border_.end(), vertices_[slot].begin(), vertices_[slot].end());
+    // Large fans are rare, and would take the square of their size.
+    is_border_sorted_ = border_.size() > kLongBorder;
+    if (is_border_sorted_)
+      std::ranges::sort(border_, {}, [&](std::uint32_t v) { return in_rows(columns_.points[v]); });
     vertices_.resize(mesh_.triangles().size());
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
       const LatticeCorners corners = corners_of(slots[i]);
@@ -205,7 +209,13 @@ class MeshReplay {
     }
     return {};
   }
+  [[nodiscard]] static std::pair<std::int32_t, std::int32_t> in_rows(LatticePoint p) {
+    return {p.y, p.x};
+  }
   [[nodiscard]] std::uint32_t border_vertex(LatticePoint p) const {
+    if (is_border_sorted_)
+      return *std::ranges::lower_bound(
+          border_, in_rows(p), {}, [&](std::uint32_t v) { return in_rows(columns_.points[v]); });
     return *std::ranges::find_if(
         border_, [&](std::uint32_t vertex) { return columns_.points[vertex] == p; });
   }
@@ -229,7 +239,9 @@ class MeshReplay {
   std::size_t n_in_square_;
   /// By slot, of the square that looked at it last, twice its number, and one if it is free there.
   std::vector<std::uint32_t> states_;
-  std::vector<std::uint32_t> border_;
+  static constexpr std::size_t kLongBorder = 64;
+  std::vector<std::uint32_t> border_;  ///< Corners of what a node removes, some twice.
+  bool is_border_sorted_ = false;
   std::uint32_t n_seen_ = 0;
 };
 
