@@ -47,11 +47,13 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
          "is full resolution (default: 0.5%)")
       ->type_name("E")
       ->group(group);
-  app.add_option("--style", arguments.style,
-                 "Vertices of full resolution: tetra, on all edges of the tetrahedra (the exact "
-                 "level set), or cubes, on the grid's edges alone (a third of the triangles) "
-                 "wherever that keeps within --max-error; with --max-error 0 everywhere but in "
-                 "bricks of 32^3 that holes touch")
+  app.add_option(
+         "--style", arguments.style,
+         "Vertices of full resolution: tetra, on all edges of the tetrahedra (the exact "
+         "level set), or cubes, on the grid's edges alone (a third of the triangles) "
+         "wherever that keeps within --max-error; with --max-error 0 everywhere but in "
+         "bricks of 32^3 that holes touch. Cubes are of full resolution: an error makes none "
+         "of them larger, --simplify does")
       ->type_name("tetra|cubes")
       ->group(group);
   app.add_option("--style-distance", arguments.style_distance,

@@ -13,7 +13,7 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
   app.add_flag(
          "--simplify", arguments.simplifies,
          "Collapse edges of the surface within --max-error of the isovalue, the field's at full "
-         "resolution, and within --max-distance (with this alone, of full resolution; with --style "
+         "resolution, and within --max-distance of the surface at full resolution (with --style "
          "cubes of the cubes): proven, "
          "still a manifold, never through itself; within --max-error alone closed pieces that "
          "hold nothing farther go")
@@ -25,9 +25,9 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
   app.add_option(
          "--max-distance", arguments.max_distance,
          "How far any point of the surface may be from that of full resolution, and back, "
-         "world units: proven; with --simplify or --remove-slivers, from the surface before and "
-         "back (of a step of the grid or more --simplify gives a fifth to beginning with cubes, "
-         "where these are near)")
+         "world units: proven; with --simplify or --remove-slivers and --style cubes, from the "
+         "cubes (of a step of the grid or more --simplify gives a fifth to beginning with cubes, "
+         "where these are near; beside --max-error half goes to the surface that it begins with)")
       ->type_name("D")
       ->group(group);
 }
@@ -156,7 +156,10 @@ void add_simplified(Table& table, const ExtractReport& report) {
   table.add({"simplified", fmt::format("from {} triangles, {} collapses ({} undone)",
                                        format_count(done.triangles_before),
                                        format_count(done.collapses), format_count(done.undone))});
-  if (done.start_distance > 0)
+  if (done.start_distance > 0 && done.max_error > 0)
+    table.add({"beginning with", fmt::format("a surface within {} of full resolution",
+                                             format_number(done.start_distance))});
+  else if (done.start_distance > 0)
     table.add({"beginning with", fmt::format("cubes where they are within {} of the tetrahedra",
                                              format_number(done.start_distance))});
   if (done.max_error > 0)
@@ -165,13 +168,17 @@ void add_simplified(Table& table, const ExtractReport& report) {
                            format_number(done.proven_error), format_number(done.max_error))});
   if (std::isfinite(done.max_distance))
     table.add({"distance",
-               fmt::format("at most {} from the surface before and back (asked for: {})",
-                           format_number(done.proven_distance), format_number(done.max_distance))});
+               fmt::format("at most {} from {} and back (asked for: {})",
+                           format_number(done.proven_distance),
+                           done.max_error > 0 && done.start_distance > 0 ? "full resolution"
+                                                                         : "the surface before",
+                           format_number(done.max_distance))});
   if (done.max_error > 0)
     table.add({"pieces in the band",
                done.components_dropped == 0
                    ? "none"
-                   : fmt::format("{} with {} triangles dropped: all within the max error inside",
+                   : fmt::format("{} with {} triangles dropped of the surface that it begins with: "
+                                 "all within the max error inside",
                                  format_count(done.components_dropped),
                                  format_count(done.triangles_dropped))});
   if (done.input_crossings > 0)

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "lode/api/dataset.h"
+#include "lode/mappers/surface_distance.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/side_check.h"
 #include "tests/models/built_dataset.h"
@@ -215,6 +216,85 @@ TEST(simplified_band, drops_none_where_the_topology_is_kept_or_a_distance) {
   const Simplified found = simplified(dataset, options);
   EXPECT_LE(found.report.simplified->proven_distance, 0.5);
   EXPECT_LE(found.report.simplified->proven_error, 8);
+}
+
+/// Specks that extraction within half of the error leaves out, and rough fields.
+TEST(simplified_band, is_within_a_distance_of_full_resolution_too) {
+  RegularGrid grid;
+  grid.dims = {{24, 24, 24}};
+  const Volume specks = oracles::volume_of<std::uint8_t>(grid, [](const Index3& p) {
+    const Vec3d r{{p[0] - 10.5, p[1] - 10.5, p[2] - 10.5}};
+    if (dot(r, r) < 36) return 90.0;
+    return p[0] % 7 == 6 && p[1] % 7 == 5 && p[2] % 7 == 6 ? 51.0 : 49.0;
+  });
+  struct Case {
+    const Volume& volume;
+    double isovalue, error, distance;
+  };
+  const Volume rough_one = rough_volume<float>({{20, 18, 16}}, 100, 5);
+  for (const auto& [volume, isovalue, error, distance] :
+       {Case{specks, 50, 10, 0.5}, Case{rough_one, 5, 30, 0.4}, Case{rough_one, 5, 30, 1.5}}) {
+    SCOPED_TRACE(distance);
+    const Dataset dataset = test::built_dataset(volume);
+    ExtractOptions options{.isovalues = {isovalue}, .max_error = 0.0, .threads = {2}};
+    Progress progress;
+    Surface full;
+    ASSERT_TRUE(dataset.extract(options, full, progress));
+    options.max_error = error;
+    options.simplify = Simplify::edges;
+    options.simplify_distance = distance;
+    const Simplified found = simplified(dataset, options);
+    const auto measured = measure_distance(found.surface, full, {distance / 64, {2}}, progress);
+    ASSERT_TRUE(measured);
+    EXPECT_LE(measured->lower(), distance * 1.00001);
+    ASSERT_TRUE(found.report.simplified);
+    EXPECT_LE(found.report.simplified->proven_distance, distance);
+    EXPECT_LT(found.surface.triangles.size(), full.triangles.size());
+  }
+}
+
+/// Where the isovalue is that of samples, triangles at these are thousands of times shorter than
+/// others.
+TEST(simplified_band, is_as_small_at_an_isovalue_of_samples) {
+  RegularGrid grid;
+  grid.dims = {{48, 48, 48}};
+  const Volume ball = oracles::volume_of<std::uint8_t>(grid, [](const Index3& p) {
+    const Vec3d r{{p[0] - 23.2, p[1] - 24.1, p[2] - 23.7}};
+    return std::round(200 - 5 * length(r));
+  });
+  const Dataset dataset = test::built_dataset(ball);
+  for (const bool is_in_band : {false, true}) {
+    const auto n_triangles = [&](double isovalue) {
+      ExtractOptions options{.isovalues = {isovalue}, .max_error = 0.0, .threads = {2}};
+      options.simplify = Simplify::edges;
+      if (is_in_band)
+        options.max_error = 4;
+      else
+        options.simplify_distance = 0.5;
+      return simplified(dataset, options).surface.triangles.size();
+    };
+    EXPECT_LT(n_triangles(110), 2 * n_triangles(110.5)) << is_in_band;
+  }
+}
+
+/// Single samples, rows and clusters of them that are the isovalue: closed pieces no wider than
+/// rounding, which stay as they face.
+TEST(simplified_band, turns_no_closed_piece_inside_out) {
+  RegularGrid grid;
+  grid.dims = {{40, 40, 40}};
+  grid.origin = {{100, 100, 100}};
+  Random random(21);
+  const Volume specks = oracles::volume_of<std::uint8_t>(grid, [&](const Index3&) {
+    const std::uint64_t n = random.below(100);
+    return n < 12 ? 40.0 : n < 14 ? 41.0 : 20.0 + static_cast<double>(n % 19);
+  });
+  const Dataset dataset = test::built_dataset(specks);
+  for (const double distance : {0.3, 1.0}) {
+    ExtractOptions options{.isovalues = {40}, .max_error = 0.0, .threads = {2}};
+    options.simplify = Simplify::edges;
+    options.simplify_distance = distance;
+    EXPECT_GT(simplified(dataset, options).surface.triangles.size(), 0U);
+  }
 }
 
 TEST(simplified_band, may_leave_nothing_at_all) {

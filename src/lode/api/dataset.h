@@ -94,10 +94,11 @@ struct ExtractOptions {
   ///   resolution, and what is farther from the isovalue keeps its side of the surface. The surface
   ///   before is extracted within half of it. Without a simplify_distance and keep_topology closed
   ///   components that hold nothing farther go. Of one isovalue, without a clip box.
-  /// - Within simplify_distance (world units, > 0): no point of the surface, or of what it was, is
-  ///   farther from the other. From two steps of the grid on, or from one where enough cells are
-  ///   near, at full resolution of one isovalue, unclipped and with all pieces, a fifth goes to
-  ///   beginning with cubes where they are that near.
+  /// - Within simplify_distance (world units, > 0): no point of the surface, or of full resolution,
+  ///   is farther from the other (of cubes: from the surface before). Within both the surface
+  ///   before is extracted within half of each. From two steps of the grid on, or from one where
+  ///   enough cells are near, at full resolution of one isovalue, unclipped and with all pieces, a
+  ///   fifth goes to beginning with cubes where they are that near.
   /// Of one isovalue, in a grid whose axes are the world's, it goes piece by piece where the model
   /// is larger than the memory limit; the surface before is then that of full resolution, or cubes.
   Simplify simplify = Simplify::off;

@@ -96,15 +96,16 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   PieceFinisher finisher(options, surface);
   std::optional<PieceSimplifier> simplifier;
   const double tolerance = report.max_error;
-  LODE_TRY(const SimplifyStart start,
+  LODE_TRY(SimplifyStart start,
            start_of_simplification(
                options, std::visit([](const auto& field) { return field.info.grid; }, chunks.field),
                tolerance, nullptr, progress));
   const bool is_in_band = has_band(options, tolerance);
-  if (is_in_band)
-    report.max_error = options.style == SurfaceStyle::cubes
-                           ? *before_simplification(options, tolerance).max_error
-                           : 0;
+  if (is_in_band) {
+    report.max_error = options.style == SurfaceStyle::cubes ? *start.options.max_error : 0;
+    start.options.max_distance = options.max_distance;
+    start.distance = 0;
+  }
   ChunkNodes nodes(chunks, options, memory_limit_of(options));
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
@@ -195,7 +196,8 @@ double bytes_per_triangle(const ExtractOptions& options, double tolerance) {
   constexpr double kCut = 130;
   constexpr double kSimplified = 160;  // 3.3 million took 0.52 GB
   constexpr double kShareOfCubes = 0.4;
-  double bytes = options.max_distance && tolerance > 0 ? kFull + kCut : 0;
+  const bool is_near = before_simplification(options, tolerance).max_distance && tolerance > 0;
+  double bytes = is_near ? kFull + kCut : 0;
   if (options.simplify != Simplify::off)
     bytes = std::max(
         bytes, options.style == SurfaceStyle::cubes ? kShareOfCubes * kSimplified : kSimplified);
@@ -227,8 +229,9 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
   if (!asks_all) {
     if (options.memory_limit > 0 && is_too_large && impl.is_in_file() && impl.chunk_bytes() > limit)
+      // What triangles may take beside the model is not counted where it is too large alone.
       return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
-                  impl.chunk_bytes() / 1'000'000 + 1, impl.info().grid.n_samples(),
+                  std::min(impl.chunk_bytes(), whole) / 1'000'000 + 1, impl.info().grid.n_samples(),
                   size_of(impl.info().type), limit / 1'000'000);
     // Whatever was asked before, and is in memory for it.
     const bool beside_model = is_too_large && impl.model_bytes() <= limit;

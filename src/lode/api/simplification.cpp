@@ -27,6 +27,13 @@ constexpr double kStartShare = 0.2;
 constexpr double kSurelyWorth = 2;
 constexpr double kLeastCubes = 0.7;
 
+/// Of the distance that is asked for beside an error what extraction takes; 0 where there is none.
+double extraction_distance(const ExtractOptions& options, double tolerance) {
+  const bool is_both = has_band(options, tolerance) && options.simplify_distance &&
+                       options.style == SurfaceStyle::tetra;
+  return is_both ? kExtractionShare * *options.simplify_distance : 0;
+}
+
 /// Cubes of two isovalues may meet; boxes and the sizes of components are to be those of the
 /// tetrahedra's surface.
 bool may_begin_near(const ExtractOptions& options, double tolerance) {
@@ -85,8 +92,10 @@ Result<void> check_simplify(const ExtractOptions& options, double tolerance) {
                 tolerance);
   }
   if (options.isovalues.size() > 1)
-    return fail("simplifying within a max_error: expected one isovalue, got {}",
-                options.isovalues.size());
+    return fail(
+        "simplifying within a max_error: expected one isovalue, got {}: one by one, "
+        "in files of their own or as parts of an STL or OBJ, there may be several",
+        options.isovalues.size());
   if (options.min_component > 1)
     return fail(
         "simplifying within a max_error: expected all pieces kept, got min_component {}, which "
@@ -111,6 +120,9 @@ bool drops_components(const ExtractOptions& options) {
 ExtractOptions before_simplification(const ExtractOptions& options, double tolerance) {
   ExtractOptions before = options;
   if (has_band(options, tolerance)) before.max_error = kExtractionShare * tolerance;
+  // Else it may have lost what the distance is to keep.
+  if (const double distance = extraction_distance(options, tolerance); distance > 0)
+    before.max_distance = std::min(distance, options.max_distance.value_or(distance));
   before.simplify = Simplify::off;
   before.simplify_distance.reset();
   return before;
@@ -120,6 +132,7 @@ Result<SimplifyStart> start_of_simplification(const ExtractOptions& options,
                                               const RegularGrid& grid, double tolerance,
                                               const diamond::Model<3>* model, Progress& progress) {
   SimplifyStart start{before_simplification(options, tolerance)};
+  start.distance = extraction_distance(options, tolerance);
   if (!may_begin_near(options, tolerance)) return start;
   const double near = kStartShare * *options.simplify_distance;
   const double distance = near + 2 * coordinate_rounding(grid);
@@ -146,7 +159,7 @@ SimplifyOptions simplify_options_of(const ExtractOptions& options, const Simplif
   SimplifyOptions simplify{.threads = options.threads};
   simplify.max_distance =
       options.simplify_distance.value_or(std::numeric_limits<double>::infinity()) - start.distance;
-  if (options.simplify == Simplify::slivers) simplify.longest_edge = simplify.max_distance;
+  if (options.simplify == Simplify::slivers) simplify.longest_edge = *options.simplify_distance;
   return simplify;
 }
 

@@ -14,13 +14,14 @@ namespace lode {
 /// Whether components may go that the band holds with all that they enclose.
 [[nodiscard]] bool drops_components(const ExtractOptions& options);
 
-/// The same query without simplification: what that starts from.
+/// The same query without simplification: what that starts from. Of an error and a distance half of
+/// both.
 [[nodiscard]] ExtractOptions before_simplification(const ExtractOptions& options, double tolerance);
 
 /// What simplification begins with, and what of its distance is left.
 struct SimplifyStart {
   ExtractOptions options;  ///< As before_simplification(), but maybe with cubes among tetrahedra.
-  double distance = 0;     ///< Of that from what it stands for, at most, both ways; world units.
+  double distance = 0;     ///< Of that from full resolution, at most, both ways; world units.
 };
 /// Within a distance of full resolution cubes stand for tetrahedra where they are near: a third of
 /// the triangles, and the same topology. `model`: what is extracted from; null of a file's parts.

@@ -192,9 +192,11 @@ Result<void> add_sides(const Model<D>& model, const Surface& surface, double iso
   return {};
 }
 
-/// Compares a simplified surface with what it was.
-Result<void> add_held_to(const Surface& surface, const Surface& before, bool is_in_band,
-                         const ExtractOptions& options, Progress& progress, VerifyReport& report) {
+/// Compares a simplified surface with what it was, and its distance with full resolution, where
+/// what it was is not just that (`full` is null else).
+Result<void> add_held_to(const Surface& surface, const Surface& before, const Surface* full,
+                         bool is_in_band, const ExtractOptions& options, Progress& progress,
+                         VerifyReport& report) {
   const bool may_drop = is_in_band && drops_components(options);
   if (may_drop)
     add_kept_pieces(surface, before, options.threads, report);
@@ -203,8 +205,9 @@ Result<void> add_held_to(const Surface& surface, const Surface& before, bool is_
   LODE_CHECK(add_turning(surface, before, may_drop ? MayDrop::yes : MayDrop::no,
                          options.simplify_distance, options.threads, progress, report));
   if (!options.simplify_distance) return {};
-  return add_distance(surface, before, kUnsimplified, *options.simplify_distance, options.threads,
-                      progress, report);
+  const char* const what = full != nullptr ? kFullResolution : kUnsimplified;
+  return add_distance(surface, full != nullptr ? *full : before, what, *options.simplify_distance,
+                      options.threads, progress, report);
 }
 
 template <int D>
@@ -217,12 +220,15 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
     LODE_CHECK(add_sides(model, surface, options.isovalues.front(), expected.tolerance,
                          options.threads, progress, report));
   }
+  // Cubes of coarse cells are near no others.
+  const Surface* const full =
+      is_in_band && options.style == SurfaceStyle::tetra ? expected.full_resolution : nullptr;
   // Piece by piece it starts from full resolution in place of half of the error.
   VerifyReport first;
   for (const Surface* before : {&expected.surface, expected.full_resolution}) {
     if (before == nullptr) continue;
     VerifyReport held;
-    LODE_CHECK(add_held_to(surface, *before, is_in_band, options, progress, held));
+    LODE_CHECK(add_held_to(surface, *before, full, is_in_band, options, progress, held));
     const bool holds = held.passed();
     if (holds || first.checks.empty()) first = std::move(held);
     if (holds) break;

@@ -6,6 +6,20 @@
 #include "lode/mappers/collapse_block.h"
 
 namespace lode::simplification {
+namespace {
+
+/// Of area and longest edge: a sliver below it has no direction that means anything.
+constexpr float kSliver = 1e-4F;
+/// Squared, the shortest edge by the longest. A needle is to lose its short edge, whatever becomes
+/// of its height until then: where the isovalue is a sample's, its vertex has dozens of them.
+constexpr float kNeedle = 1e-4F;
+
+float shortest2(const Vec3f& u, const Vec3f& v) {
+  const Vec3f e = v - u;
+  return std::min({dot(u, u), dot(v, v), dot(e, e)});
+}
+
+}  // namespace
 
 bool BlockSimplifier::try_collapse(std::uint32_t kept, std::uint32_t removed,
                                    const Star& star_of_removed, const Vec3f& position) {
@@ -75,7 +89,8 @@ bool BlockSimplifier::make_triangles(std::uint32_t kept, std::uint32_t removed, 
   return add(of_kept, removed, kept) && add(of_removed, kept, removed) && n_new_ <= kMaxValence;
 }
 
-/// The triangle does not turn over, nor become a sliver. A sliver's own direction says nothing.
+/// The triangle does not turn over, nor become a sliver. A sliver's own direction says nothing, and
+/// a needle may become a thinner one.
 bool BlockSimplifier::keeps_shape(const NewTriangle& t, std::uint32_t old) const {
   const auto longest = [](const Vec3f& u, const Vec3f& v) {
     const Vec3f e = v - u;
@@ -92,7 +107,9 @@ bool BlockSimplifier::keeps_shape(const NewTriangle& t, std::uint32_t old) const
   const float length_before2 = longest(u, v);
   const float shape = nn / (length2 * length2);
   const float shape_before = area / (length_before2 * length_before2);
-  if (!(shape > least_shape_) && !(shape > shape_before)) return false;
+  const bool is_needle =
+      nn > 0 && shape_before < kSliver && shortest2(t.u, t.v) < kNeedle * length2;
+  if (!(shape > least_shape_) && !(shape > shape_before) && !is_needle) return false;
   if (shape_before < 10 * least_shape_) return true;
   const float along = dot(n, before);
   return along > 0 && along * along > 0.04F * nn * area;
@@ -112,6 +129,10 @@ void BlockSimplifier::join_triangles() {
 }
 
 bool BlockSimplifier::folds_little() const {
+  const auto is_sliver = [](const NewTriangle& t, float area) {
+    const float longest2 = std::max(t.uu, t.vv);
+    return area < kSliver * longest2 * longest2;
+  };
   for (std::uint32_t i = 0; i < n_new_; ++i) {
     const NewTriangle& t = new_triangles_[i];
     if (t.across_b == kNone) continue;
@@ -119,7 +140,10 @@ bool BlockSimplifier::folds_little() const {
     const Vec3f m = cross(t.u, t.v);
     const Vec3f n = cross(s.u, s.v);
     const float along = dot(m, n);
-    if (along < 0 && along * along > 0.8F * dot(m, m) * dot(n, n)) return false;
+    const float mm = dot(m, m);
+    const float nn = dot(n, n);
+    if (along < 0 && along * along > 0.8F * mm * nn && !is_sliver(t, mm) && !is_sliver(s, nn))
+      return false;
   }
   return true;
 }
@@ -144,6 +168,8 @@ bool BlockSimplifier::attach_points(const Vec3f& position) {
 bool BlockSimplifier::attach_point(std::uint32_t point, const Vec3f& position,
                                    std::uint32_t start) {
   const Vec3f q = points_[point] - position;
+  // Across a sliver the distance stays what it is, but for rounding.
+  constexpr float kFarther = 1.0001F;
   const float limit = limits_.distance * limits_.distance;
   const float qq = dot(q, q);
   nearest_point_ = std::min(nearest_point_, qq);
@@ -173,7 +199,7 @@ bool BlockSimplifier::attach_point(std::uint32_t point, const Vec3f& position,
     if (here < least) {
       least = here;
       best = i;
-    } else if (step > 0) {
+    } else if (step > 0 && here > kFarther * least) {
       break;
     }
     if (next == kNone) break;

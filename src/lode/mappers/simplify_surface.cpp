@@ -17,6 +17,7 @@
 #include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/collapse_partition.h"
 #include "lode/mappers/collapse_proof.h"
+#include "lode/mappers/collapse_turning.h"
 #include "lode/mappers/collapse_undo.h"
 #include "lode/mappers/collapse_units.h"
 
@@ -50,7 +51,8 @@ class Simplifier {
         options_(options),
         numbers_(numbers),
         progress_(progress),
-        mesh_(make_mesh(surface, options.threads)) {}
+        mesh_(make_mesh(surface, options.threads)),
+        closed_(surface) {}
 
   Result<SimplifyReport> run() {
     report_.max_distance = options_.max_distance;
@@ -95,6 +97,7 @@ class Simplifier {
   std::vector<std::uint32_t>* numbers_;
   Progress& progress_;
   CollapseMesh mesh_;
+  ClosedComponents closed_;
   SimplifyReport report_;
   std::uint32_t next_collapse_ = 0;
   UndoOrder order_ = UndoOrder::splits;
@@ -223,7 +226,11 @@ Result<bool> Simplifier::prove(std::uint32_t first) {
   has_reopened_ = false;
   while (!changed.empty()) {
     if (progress_.is_cancelled()) return cancelled_error();
-    LODE_TRY(const auto bad, proof.find_bad(live_, changed));
+    LODE_TRY(auto bad, proof.find_bad(live_, changed));
+    // When all else is proven, as that takes more back.
+    if (bad.empty())
+      for (const std::uint32_t v : closed_.removed_where_turned(mesh_, live_))
+        bad.push_back(mesh_.last[v]);
     changed.clear();
     for (const std::uint32_t c : bad) {
       if (progress_.is_cancelled()) return cancelled_error();
