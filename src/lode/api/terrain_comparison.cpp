@@ -295,9 +295,9 @@ class Comparison {
     LODE_TRY(const std::shared_ptr<const TerrainPatches> patches,
              model.patches(tolerance, progress_));
     if (!patches) return {};
-    const auto [from, to] = line_across(1);
+    const auto line = line_across(1);
     LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
-               mesh.profile_points = patches->profile(from, to).size();
+               mesh.profile_points = patches->profile(line[0], line[1]).size();
                return {};
              }));
     return {};
@@ -311,9 +311,9 @@ class Comparison {
                mesh.contour_points = found.n_points;
                return {};
              }));
-    const auto [from, to] = line_across(scale);
+    const auto line = line_across(scale);
     LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
-               mesh.profile_points = tin_profile(tin, from, to).size();
+               mesh.profile_points = tin_profile(tin, line[0], line[1]).size();
                return {};
              }));
     return {};

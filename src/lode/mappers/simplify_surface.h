@@ -56,8 +56,9 @@ struct SimplifyReport {
 /// - with a band, triangles that are not the input's lie in it, and no sample outside it is on
 ///   another side of the surface than before;
 /// - it is homeomorphic to the input, component by component (the link condition, edge by edge), so
-///   none vanishes, and closed ones of some volume enclose the side that they did; the border stays, and no vertex
-///   of it moves: some go, and only where the border stays in all the coordinate planes it runs in;
+///   none vanishes, and closed ones of some volume enclose the side that they did; the border
+///   stays, and no vertex of it moves: some go, and only where the border stays in all the
+///   coordinate planes it runs in;
 /// - no two triangles meet but in a common corner or edge, and none has zero area, exactly for its
 ///   float coordinates: unless they did so in the input.
 /// Collapses are tried by quadric error, block by block in parallel, then the result is proven
