@@ -1,32 +1,13 @@
 #include "lode/mappers/collapse_turning.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <numeric>
 #include <utility>
+
+#include "lode/core/disjoint_sets.h"
 
 namespace lode::simplification {
 namespace {
-
-/// Joins sets of numbers.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Six times the volumes that triangles enclose, by component. Of places relative to the
 /// component's first vertex, which floats are exactly enough.
@@ -54,7 +35,7 @@ class Volumes {
 }  // namespace
 
 ClosedComponents::ClosedComponents(const Surface& surface) : component_(surface.positions.size()) {
-  Sets sets(surface.positions.size());
+  DisjointSets<> sets(surface.positions.size());
   std::vector<std::uint32_t> ends(surface.positions.size(), 0);
   for (const auto& [a, b, c] : surface.triangles) {
     sets.join(a, b);

@@ -5,33 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 
+#include "lode/core/disjoint_sets.h"
 #include "lode/mappers/vertex_corners.h"
 
 namespace lode {
 namespace {
-
-/// Union-find over dense ids.
-class Groups {
- public:
-  explicit Groups(std::size_t n) : parent_(n) {
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Calls visit(array) for all that the surface has per vertex.
 template <typename Visit>
@@ -74,8 +54,8 @@ void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells)
 class Fans {
  public:
   /// Corner i then belongs to the fan that find(i) names by its first corner.
-  Groups find(std::span<const std::uint32_t> corners, const Surface& surface) {
-    Groups fans(corners.size());
+  DisjointSets<> find(std::span<const std::uint32_t> corners, const Surface& surface) {
+    DisjointSets<> fans(corners.size());
     spokes_.clear();
     for (std::uint32_t i = 0; i < corners.size(); ++i)
       for (const std::uint32_t step : {1U, 2U}) {
@@ -96,7 +76,7 @@ class Fans {
 template <std::size_t N>
 Dropped drop_small(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells,
                    std::uint64_t n) {
-  Groups groups(surface.positions.size());
+  DisjointSets<> groups(surface.positions.size());
   for (const auto& cell : cells)
     for (std::size_t k = 1; k < N; ++k) groups.join(cell[0], cell[k]);
   std::vector<std::uint64_t> sizes(surface.positions.size(), 0);
@@ -152,7 +132,7 @@ class BoxPlane {
   template <std::size_t N>
   void weld(std::vector<std::array<std::uint32_t, N>>& cells) {
     if (surface_.positions.size() == first_new_) return;
-    Groups same(surface_.positions.size());
+    DisjointSets<> same(surface_.positions.size());
     for (const auto& cell : cells)
       for (std::size_t k = 0; k < N; ++k) {
         const std::uint32_t a = cell[k];
@@ -241,7 +221,7 @@ void split_pinched_vertices(Surface& surface) {
   Fans finder;
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
     const std::span<const std::uint32_t> here = corners.of(v);
-    Groups fans = finder.find(here, surface);
+    DisjointSets<> fans = finder.find(here, surface);
     for (std::uint32_t i = 0; i < here.size(); ++i)
       if (const std::uint32_t fan = fans.find(i); fan != 0) apart.emplace_back(here[fan], here[i]);
   }
@@ -302,7 +282,7 @@ Dropped drop_small_components(Surface& surface, std::uint64_t n) {
 }
 
 ComponentNumbers number_components(const Surface& surface) {
-  Groups groups(surface.positions.size());
+  DisjointSets<> groups(surface.positions.size());
   for (const auto& t : surface.triangles)
     for (const std::uint32_t v : t) groups.join(t[0], v);
   ComponentNumbers numbers{std::vector<std::uint32_t>(surface.positions.size()), 0};

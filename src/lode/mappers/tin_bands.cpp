@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 
+#include "lode/core/disjoint_sets.h"
 #include "lode/delaunay/lattice_side.h"
 #include "lode/mappers/tin_contours.h"
 
@@ -16,26 +16,6 @@ using delaunay::kNoHalfEdge;
 using delaunay::Tin;
 
 constexpr std::array<std::uint32_t, 3> kAfter{1, 2, 0};
-
-/// Sets of numbers that are joined (R. E. Tarjan, 1975), each named by its smallest.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) {
-    std::iota(parent_.begin(), parent_.end(), std::uint64_t{0});
-  }
-  [[nodiscard]] std::uint64_t find(std::uint64_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint64_t a, std::uint64_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint64_t> parent_;
-};
 
 /// The bands of each triangle: a vertex at a level belongs to the band above it.
 class TriangleBands {
@@ -75,8 +55,8 @@ class TriangleBands {
   }
   [[nodiscard]] std::uint64_t n_parts() const { return first_.back(); }
   /// Joins what lies on both sides of edges.
-  [[nodiscard]] DisjointSets connected() const {
-    DisjointSets sets(n_parts());
+  [[nodiscard]] DisjointSets<std::uint64_t> connected() const {
+    DisjointSets<std::uint64_t> sets(n_parts());
     for (std::uint32_t t = 0; t < tin_.triangles.size(); ++t)
       for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t twin = tin_.twins[t][i];
@@ -255,7 +235,7 @@ Result<std::vector<BandPolygon>> find_bands(const Tin& tin, std::span<const doub
   LODE_TRY(const ContourSet contours, trace_contours(tin, levels, KeptLines::all, progress));
   const TriangleBands bands(tin, levels);
   std::vector<BandRing> rings = BandTracer(tin, bands, contours.lines).run();
-  DisjointSets sets = bands.connected();
+  DisjointSets<std::uint64_t> sets = bands.connected();
   for (BandRing& ring : rings) ring.part = sets.find(ring.part);
   // By bands, then parts; of one, as they were found.
   std::ranges::stable_sort(rings, {},

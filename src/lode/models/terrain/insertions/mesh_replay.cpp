@@ -85,11 +85,7 @@ class MeshReplay {
     return {mesh_.nodes().unpack(a), mesh_.nodes().unpack(b), mesh_.nodes().unpack(c)};
   }
   [[nodiscard]] Error not_insertable(std::uint32_t node) const {
-    const LatticePoint p = columns_.point_of(node);
-    return fail(
-        "{}: node {}: expected column {}, row {} in a triangle of its time that it can be inserted "
-        "into",
-        file_.path(), columns_.times[node], p.x, p.y);
+    return columns_.not_insertable(file_, node);
   }
 
   /// As WaitingNodes::locate().
@@ -114,20 +110,8 @@ class MeshReplay {
     return tin;
   }
 
-  /// The triangle where removing begins: it holds the vertex, which is no corner.
   [[nodiscard]] std::optional<std::uint32_t> find_seed(std::uint32_t node) const {
-    const LatticePoint p = columns_.point_of(node);
-    const std::uint32_t slot = waiting_.slot_with(node);
-    const LatticeCorners corners = corners_of(slot);
-    if (!holds(corners, p) || std::ranges::find(corners, p) != corners.end()) return {};
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      if (delaunay::doubled_area(corners[i], corners[(i + 1) % 3], p) != 0) continue;
-      const std::uint32_t behind = mesh_.behind(slot, i);
-      if (behind == delaunay::kNoHalfEdge) continue;
-      const bool is_later = order_of(behind / 4) > order_of(slot);
-      return is_later == columns_.begins_later[node] ? behind / 4 : slot;
-    }
-    return slot;
+    return waiting_.find_seed(mesh_, node, [&](std::uint32_t slot) { return order_of(slot); });
   }
 
   template <typename Number>

@@ -46,6 +46,14 @@ Result<void> read_page(const HistoryFile& file, std::uint32_t page, std::vector<
 
 }  // namespace
 
+Error NodeColumns::not_insertable(const HistoryFile& file, std::uint32_t node) const {
+  const delaunay::LatticePoint p = point_of(node);
+  return fail(
+      "{}: node {}: expected column {}, row {} in a triangle of its time that it can be inserted "
+      "into",
+      file.path(), times[node], p.x, p.y);
+}
+
 Result<NodeColumns> NodeColumns::read(const HistoryFile& file, std::size_t n_bands,
                                       Progress& progress) {
   const auto bands = file.bands().first(n_bands);

@@ -35,6 +35,9 @@ struct NodeColumns {
     return nodes;
   }
 
+  /// That the node lies where none of its time can.
+  [[nodiscard]] Error not_insertable(const HistoryFile& file, std::uint32_t node) const;
+
   /// Fails, naming the file, where a page is not as it has to be, and when cancelled.
   [[nodiscard]] static Result<NodeColumns> read(const HistoryFile& file, std::size_t n_bands,
                                                 Progress& progress);

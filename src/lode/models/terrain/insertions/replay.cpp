@@ -106,11 +106,11 @@ class Replay {
       }
       const std::uint32_t node = nodes_[time];
       const std::uint32_t vertex = columns_.n_base + node;
-      const auto seed = find_seed(mesh, recorder, node, waiting.slot_with(node));
+      const auto seed = waiting.find_seed(
+          mesh, node, [&](std::uint32_t slot) { return recorder.triangle_in(slot); });
       std::span<const std::uint32_t> slots;
       const std::size_t n_before = mesh.triangles().size();
-      if (!seed || !mesh.try_insert(number(vertex), slot_of_[*seed], slots))
-        return not_insertable(node);
+      if (!seed || !mesh.try_insert(number(vertex), *seed, slots)) return not_insertable(node);
       if (slots.size() != columns_.n_made[node])
         return fail("{}: node {}: expected it to make {} triangles, got {}", file_.path(), time,
                     columns_.n_made[node], slots.size());
@@ -120,25 +120,6 @@ class Replay {
       slot_of_.insert(slot_of_.end(), slots.begin(), slots.end());
     }
     return {};
-  }
-
-  /// The triangle where removing begins: it is there and holds the vertex, which is no corner.
-  template <typename Mesh>
-  [[nodiscard]] std::optional<std::uint32_t> find_seed(const Mesh& mesh, const Recorder& recorder,
-                                                       std::uint32_t node,
-                                                       std::uint32_t slot) const {
-    const LatticePoint p = columns_.point_of(node);
-    const std::uint32_t t = recorder.triangle_in(slot);
-    const LatticeCorners corners = corners_of(t);
-    if (!holds(corners, p) || std::ranges::find(corners, p) != corners.end()) return {};
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      if (delaunay::doubled_area(corners[i], corners[(i + 1) % 3], p) != 0) continue;
-      const std::uint32_t behind = mesh.behind(slot_of_[t], i);
-      if (behind == delaunay::kNoHalfEdge) continue;
-      const std::uint32_t other = recorder.triangle_in(behind / 4);
-      return columns_.begins_later[node] ? std::max(t, other) : std::min(t, other);
-    }
-    return t;
   }
 
   /// Of the triangles that a node makes the one that holds p, if it removed one that does.
@@ -158,11 +139,7 @@ class Replay {
   }
 
   [[nodiscard]] Error not_insertable(std::uint32_t node) const {
-    const LatticePoint p = columns_.point_of(node);
-    return fail(
-        "{}: node {}: expected column {}, row {} in a triangle of its time that it can be inserted "
-        "into",
-        file_.path(), columns_.times[node], p.x, p.y);
+    return columns_.not_insertable(file_, node);
   }
 
   /// Triangles are numbered by time.

@@ -40,8 +40,6 @@ class WaitingNodes {
   explicit WaitingNodes(const NodeColumns& columns)
       : columns_(columns), slot_with_(columns.n_nodes()), next_(columns.n_nodes()) {}
 
-  [[nodiscard]] std::uint32_t slot_with(std::uint32_t node) const { return slot_with_[node]; }
-
   /// Where those of a band are before any of it is inserted: on a way of short steps, and some long
   /// ones from page to page. look(p): the slot where walking does not get there in so many, if
   /// there is one. Returns a node that is nowhere, kNone if there is none.
@@ -59,6 +57,28 @@ class WaitingNodes {
       put(node, slot = *met);
     }
     return kNone;
+  }
+
+  /// The slot where removing for a node begins: it holds the vertex, which is no corner; of two
+  /// triangles that it lies between the one that was made earlier or later, as the node says.
+  /// order(slot): rises with when what is there was made. Nothing where the file lies.
+  template <typename Mesh, typename Order>
+  [[nodiscard]] std::optional<std::uint32_t> find_seed(const Mesh& mesh, std::uint32_t node,
+                                                       const Order& order) const {
+    const delaunay::LatticePoint p = columns_.point_of(node);
+    const std::uint32_t slot = slot_with_[node];
+    const auto& [a, b, c] = mesh.triangles()[slot].corner;
+    const LatticeCorners corners{mesh.nodes().unpack(a), mesh.nodes().unpack(b),
+                                 mesh.nodes().unpack(c)};
+    if (!holds(corners, p) || std::ranges::find(corners, p) != corners.end()) return {};
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      if (delaunay::doubled_area(corners[i], corners[(i + 1) % 3], p) != 0) continue;
+      const std::uint32_t behind = mesh.behind(slot, i);
+      if (behind == delaunay::kNoHalfEdge) continue;
+      const bool is_later = order(behind / 4) > order(slot);
+      return is_later == (columns_.begins_later[node] != 0) ? behind / 4 : slot;
+    }
+    return slot;
   }
 
   /// Those that wait in what a node has removed go on to the triangles that were made where they
