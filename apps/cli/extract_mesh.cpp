@@ -192,7 +192,7 @@ Result<void> check_mesh_job(const MeshJob& job) {
     return fail("--opacity: expected a mesh of cells, got {}", job.input);
   if (!job.query.threshold.empty())
     return fail("--threshold: expected a mesh of cells, got {}", job.input);
-  if (job.query.sections.size() > 1)
+  if (job.query.is_section() && job.query.sections.size() > 1)
     return fail("--section: expected one of a volume, got {}", job.query.sections.size());
   if (job.query.is_mesh) {
     LODE_CHECK(to_mesh_options(job.query, job.extraction));

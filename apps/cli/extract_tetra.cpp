@@ -186,19 +186,19 @@ Result<TetraJob> section_job(const MeshJob& job) {
 Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   if (!job.query.patches.empty() && !job.query.is_boundary)
     return fail("--patch: expected --boundary with it, whose faces it chooses");
-  const bool is_section = !job.query.sections.empty() && !job.query.is_mesh;
+  const bool is_section = job.query.is_section();
   if (is_section && !job.query.view.empty())
     return fail("--view: expected no --section with it, which is fine along its plane");
   if (is_section) return section_job(job);
   const char* const answer = job.query.is_mesh       ? "--mesh"
                              : job.query.is_boundary ? "--boundary"
                                                      : kMeshOfCells;
-  if (!job.query.sections.empty()) return fail("{}: expected no --section with it", answer);
   ExtractionArguments extraction = job.extraction;
   // Only isosurfaces have normals.
   if (!job.query.is_wanted()) extraction.normals = "on";
   TetraJob made;
   LODE_TRY(made.mesh, to_tetra_query(job.query, extraction, answer));
+  LODE_CHECK(add_section_foci(job.query, made.mesh.query));
   // What a transfer function shows is known when the field is.
   if (job.query.opacity.empty()) LODE_CHECK(check_outside(made.mesh.query));
   made.mesh.threads = threads;
@@ -276,7 +276,7 @@ Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
                                    const TetraJob& wanted, Session& session) {
   if (!job.query.warp.is_wanted()) return std::uint64_t{0};
   TetraMeshOptions options = wanted.mesh;
-  if (!job.query.sections.empty()) {
+  if (job.query.is_section()) {
     options.query = query_of(wanted.sections);
     options.regions = wanted.sections.regions;
     options.threads = session.threads();
@@ -298,14 +298,14 @@ Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& 
   set_shares(job.extraction, job.query, field, wanted.surface.query);
   set_share(job.extraction.max_error, field.range_min, field.range_max, wanted.sections.max_error);
   if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
-  if (!job.query.sections.empty())
+  if (job.query.is_section())
     return input.dataset.extract_section(wanted.sections, surface, progress);
   return input.dataset.extract_surface(wanted.surface, surface, progress);
 }
 
 void warn_of_surface(Session& session, const MeshJob& job, const Surface& surface,
                      const TetraSurfaceReport& report) {
-  const bool is_section = !job.query.sections.empty();
+  const bool is_section = job.query.is_section();
   if (job.query.is_boundary) warn_of_empty(session, job, surface.is_empty());
   if (job.query.warp.is_wanted() && !job.query.is_wanted() && job.extraction.normals == "on")
     session.warn("--warp: normals are left out, as those of isosurfaces are of the mesh before it");
@@ -329,7 +329,7 @@ std::vector<std::string> surface_paths(const MeshJob& job, const TetraJob& wante
 /// What a surface is: of isosurfaces their values.
 std::string kind_of_surface(const MeshJob& job, const std::vector<double>& isovalues) {
   if (job.query.is_boundary) return "boundary";
-  if (!job.query.sections.empty()) return "section";
+  if (job.query.is_section()) return "section";
   return fmt::format("{} {}", isovalues.size() == 1 ? "isovalue" : "isovalues",
                      fmt::join(isovalues, " "));
 }
@@ -379,7 +379,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;
-  if (!job.query.sections.empty()) counts["lines"] = report.n_lines;
+  if (job.query.is_section()) counts["lines"] = report.n_lines;
   counts["vertices"] = report.n_vertices;
   counts["cut_cells"] = report.n_cut_cells;
   if (job.query.warp.is_wanted()) counts["inverted_cells"] = n_inverted;

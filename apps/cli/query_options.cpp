@@ -177,7 +177,7 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   add("--section", arguments.sections, "X,Y,Z:NX,NY,NZ",
       "Write the plane through a point, by its normal, or A,B,C,D: where A x + B y + C z = D; "
       "triangles with values and errors, or with --isovalue the lines on it; may be repeated of a "
-      "mesh of cells");
+      "mesh of cells. With --mesh: accurate along planes");
   add("--opacity", arguments.opacity, "PRESET|FILE",
       "With --mesh or --boundary of a mesh of cells: accurate as far as render's --opacity shows "
       "it; errors count as much as the extinction is of the largest");
@@ -280,7 +280,7 @@ Result<void> check_outside(const Query& query) {
   if (!query.max_error_outside || has_values || has_places) return {};
   return fail(
       "--max-error-outside: expected a focus with it, such as --isovalue, --field-range, --box, "
-      "--ball, --half-space or --view, outside of which it holds");
+      "--ball, --half-space, --section or --view, outside of which it holds");
 }
 
 Result<void> check_view_size(const QueryArguments& arguments) {
@@ -290,8 +290,8 @@ Result<void> check_view_size(const QueryArguments& arguments) {
 
 Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
                                     const ExtractionArguments& extraction) {
-  if (!arguments.sections.empty()) return fail("--mesh: expected no --section with it");
-  LODE_TRY(const Query query, to_query(arguments, extraction, "--mesh"));
+  LODE_TRY(Query query, to_query(arguments, extraction, "--mesh"));
+  LODE_CHECK(add_section_foci(arguments, query));
   LODE_CHECK(check_outside(query));
   return MeshOptions{query};
 }
@@ -316,6 +316,12 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
     return fail("--field-range: expected no --isovalue with --section, whose lines need no other");
   LODE_TRY(options.budget, parse_budget(arguments.max_cells));
   return options;
+}
+
+Result<void> add_section_foci(const QueryArguments& arguments, Query& query) {
+  LODE_TRY(const std::vector<SectionPlane> planes, to_planes(arguments));
+  for (const SectionPlane& plane : planes) query.sections.push_back({plane.point, plane.normal});
+  return {};
 }
 
 Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments) {

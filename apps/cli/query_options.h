@@ -36,6 +36,8 @@ struct QueryArguments {
   std::string deadline_ms;
 
   friend bool operator==(const QueryArguments&, const QueryArguments&) = default;
+  /// Whether the answer is a section. Of a mesh they say where it is to be accurate.
+  [[nodiscard]] bool is_section() const { return !is_mesh && !sections.empty(); }
   /// Whether the answer is a mesh, its boundary or a section, and no isosurface.
   [[nodiscard]] bool is_wanted() const { return is_mesh || is_boundary || !sections.empty(); }
   /// Whether it is a surface, but not equally good everywhere.
@@ -83,6 +85,8 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<SectionOptions> to_section_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 [[nodiscard]] Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments);
+/// Of a mesh: accurate along --section's planes.
+[[nodiscard]] Result<void> add_section_foci(const QueryArguments& arguments, Query& query);
 /// None where none is asked for.
 [[nodiscard]] Result<std::optional<Range>> to_threshold(const QueryArguments& arguments);
 

@@ -71,7 +71,8 @@ TEST_F(cli_mesh, takes_foci_and_budgets) {
   const std::uint64_t all = cells({"--max-error", "2"});
   for (const auto& focus :
        {Words{"--isovalue", "100"}, Words{"--field-range", "150:200"}, Words{"--ball", "8,8,8,2"},
-        Words{"--box", "0,3,0,3,0,3", "--box", "-9,1,-9,1,-9,1"}}) {
+        Words{"--box", "0,3,0,3,0,3", "--box", "-9,1,-9,1,-9,1"},
+        Words{"--section", "8,8,8.3:0.1,0,1"}, Words{"--section=1,0,0,2", "--section=1,0,0,14"}}) {
     Words options = focus;
     options.insert(options.end(), {"--max-error", "2"});
     const std::uint64_t focused = cells(options);
@@ -147,7 +148,7 @@ TEST(cli_mesh_usage, refuses_what_makes_no_sense) {
   refused("m.vtu", {"--mesh", "--threshold", "1:2"}, {"--threshold", "mesh of cells"});
   refused("s.vtp", {"--boundary"}, {"--boundary", "mesh of cells"});
   refused("s.vtp", {"--section", "0,0,0:0,0,1", "--section", "0,0,1:0,0,1"}, {"--section", "one"});
-  refused("m.vtu", {"--mesh", "--section", "0,0,0:0,0,1"}, {"--mesh", "no --section"});
+  refused("m.vtu", {"--mesh", "--section", "0,0,0:0,0,0"}, {"--section", "normal"});
   for (const char* plane : {"0,0,0", "0,0:0,0,1", "0,0,0:0,0,0", "0,0,0:1,2", "0,0,0:1:2", "x"})
     refused("s.vtp", {"--section", plane}, {"--section"});
   for (const auto& option :

@@ -304,6 +304,46 @@ TEST_F(cli_tetra, is_the_same_for_any_number_of_threads) {
   EXPECT_GT(one.size(), 1000U);
 }
 
+TEST_F(cli_tetra, has_meshes_that_are_fine_along_planes) {
+  const auto cells = [&](std::vector<std::string> options) {
+    options.insert(options.end(), {"--max-error", "0.01"});
+    return report(std::move(options)).at("cells").get<std::uint64_t>();
+  };
+  const std::uint64_t everywhere = cells({});
+  const std::uint64_t along = cells({"--section", "6.4,0,0:1,0,0"});
+  EXPECT_LT(along, everywhere);
+  auto mesh = read_cell_mesh(output_, {});
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  const auto found = std::ranges::find(mesh->cell_fields, "error", &MeshField::name);
+  ASSERT_NE(found, mesh->cell_fields.end());
+  const std::vector<double> errors = found->values;
+  const auto made = to_tetrahedra(std::move(*mesh), {});
+  ASSERT_TRUE(made) << made.error().message;
+  const TetraMesh& cut = made->mesh;
+  ASSERT_EQ(errors.size(), cut.tetrahedra.size());
+  double largest_beside = 0;
+  for (std::size_t i = 0; i < cut.tetrahedra.size(); ++i) {
+    double lower = 1e9;
+    double upper = -1e9;
+    for (const std::uint32_t v : cut.tetrahedra[i]) {
+      lower = std::min(lower, cut.positions[v][0]);
+      upper = std::max(upper, cut.positions[v][0]);
+    }
+    if (lower <= 6.4 && upper >= 6.4)
+      EXPECT_LE(errors[i], 0.01);
+    else
+      largest_beside = std::max(largest_beside, errors[i]);
+  }
+  EXPECT_GT(largest_beside, 0.1);
+  const std::uint64_t two = cells({"--section", "6.4,0,0:1,0,0", "--section", "0,1,0,3.3"});
+  EXPECT_GT(two, along);
+  EXPECT_LT(two, everywhere);
+  const nlohmann::json bounded =
+      report({"--section", "6.4,0,0:1,0,0", "--max-error", "0.01", "--max-error-outside", "0.05"});
+  EXPECT_GE(bounded.at("cells"), along);
+  EXPECT_LE(bounded.at("largest_error"), 0.05);
+}
+
 TEST_F(cli_tetra, says_what_it_does_not_do) {
   const auto refused = [&](const std::vector<std::string>& words, const char* message) {
     const Finished run = run_lode(words);
@@ -313,8 +353,7 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   const std::string surface = scratch_ / "out.ply";
   refused({"extract", input_, surface}, "expected --isovalue or --mesh");
   refused({"extract", input_, surface, "--section", "0,0,1:0,0,0"}, "expected a normal");
-  refused({"extract", input_, output_, "--mesh", "--section", "0,0,1:0,0,1"},
-          "expected no --section");
+  refused({"extract", input_, output_, "--mesh", "--section", "0,0,1:0,0,0"}, "expected a normal");
   refused({"extract", input_, surface, "--boundary", "--section", "0,0,1:0,0,1"},
           "expected no --section");
   refused({"extract", input_, surface, "--boundary", "--mesh"}, "expected no --mesh");

@@ -109,11 +109,13 @@ Result<void> add_turning(const Surface& surface, const Surface& before, MayDrop 
   const bool is_turned = near.share_turned > kMost || near.n_turned > 0 ||
                          is_wrong(found.n_outward, wanted.n_outward) ||
                          is_wrong(found.n_inward, wanted.n_inward);
-  std::string detail = fmt::format(
-      "{} closed ones face outward and {} inward, before {} and {}; {:.1f} % of all faces another "
-      "way than what is near",
-      found.n_outward, found.n_inward, wanted.n_outward, wanted.n_inward, 100 * near.share_turned);
-  if (found.n_open > 0)
+  std::string detail =
+      fmt::format("{} closed ones face outward and {} inward, before {} and {}", found.n_outward,
+                  found.n_inward, wanted.n_outward, wanted.n_inward);
+  detail += near.is_large ? fmt::format("; {:.1f} % of all faces another way than what is near",
+                                        100 * near.share_turned)
+                          : "; all is too small for this distance to say which way it faces";
+  if (near.is_large && found.n_open > 0)
     detail += fmt::format(", and {} of {} large open ones", near.n_turned, near.n_large_open);
   report.add("pieces face the way they did",
              found.n_outward + found.n_inward + found.n_flat + found.n_open, is_turned ? 1 : 0,

@@ -154,11 +154,12 @@ Result<NearFacing> hold_against(const Surface& surface, const Surface& other, do
     whole.add(votes[t]);
     if (is_open[t] != 0) of_open[piece[surface.triangles[t][0]]].add(votes[t]);
   }
-  facing.share_turned = whole.share();
-  constexpr double kLarge = 2 * 100;  // votes are twice the areas
+  const double large = 2 * 100 * reach * reach;  // votes are twice the areas
+  facing.is_large = whole.all >= large;
+  if (facing.is_large) facing.share_turned = whole.share();
   constexpr double kMost = 0.75;
   for (const Areas& areas : of_open) {
-    if (!(areas.all >= kLarge * reach * reach)) continue;
+    if (!(areas.all >= large)) continue;
     ++facing.n_large_open;
     if (areas.share() > kMost) ++facing.n_turned;
   }

@@ -64,7 +64,7 @@ class HierarchyMaker {
 };
 
 void HierarchyMaker::number_vertices() {
-  NodeOrder order = order_nodes(mesh_, collapses_.collapses);
+  NodeOrder order = order_nodes(mesh_, collapses_);
   nodes_ = std::move(order.nodes);
   std::vector<std::uint32_t>& vertices = order.base_vertices;
   result_.n_base_vertices = static_cast<std::uint32_t>(vertices.size());

@@ -1,11 +1,18 @@
 #include "lode/models/tetra_mt/node_order.h"
 
 #include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <span>
 
 #include "lode/models/tetra_mt/space_curve.h"
 
 namespace lode::tetra_mt {
 namespace {
+
+constexpr float kAlways = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t kFirstBand = 64;  ///< Higher bands come first.
 
 /// Of the node that comes at a place in the order of refinement.
 std::uint32_t band_of(std::size_t place, std::size_t n_nodes) {
@@ -16,9 +23,68 @@ std::uint32_t band_of(std::size_t place, std::size_t n_nodes) {
   return band;
 }
 
+/// One by the range of each of the mesh's fields.
+std::vector<double> weights_of(const TetraMesh& mesh) {
+  std::vector<double> weights;
+  for (const MeshField& field : mesh.fields) {
+    const auto [low, high] = std::ranges::minmax(field.values);
+    weights.push_back(high > low ? 1 / (high - low) : 0);
+  }
+  return weights;
+}
+
+/// By collapse, the tolerance below which a query of the whole domain looks at its node: one is
+/// applied then that brings a tetrahedron which waits for it. kAlways where the base has one.
+/// Shares of ranges; of several fields the largest.
+std::vector<float> find_tolerances(const TetraMesh& mesh, const HalfEdgeCollapses& half_edges) {
+  const std::vector<double> weights = weights_of(mesh);
+  // By vertex. A node is applied for all that waits for it, whoever discovers that.
+  std::vector<float> applied(mesh.positions.size(), 0);
+  std::vector<float> looked_at(mesh.positions.size(), 0);
+  const auto look = [&](std::uint32_t vertex, float tolerance) {
+    if (vertex != kNone) looked_at[vertex] = std::max(looked_at[vertex], tolerance);
+  };
+  std::size_t i = 0;
+  for (const CollapseStars& stars : half_edges.stars) {
+    std::size_t child = 0;
+    for (const CollapseStars::Size& size : stars.sizes) {
+      float& here = applied[half_edges.collapses[i].removed];
+      for (std::size_t f = 0; f < weights.size(); ++f) {
+        const double error = half_edges.facts[i * weights.size() + f].error;
+        here = std::max(here, static_cast<float>(error * weights[f]));
+      }
+      const auto children = std::span(stars.children).subspan(child, size.n_children);
+      for (const std::uint32_t v : children) here = std::max(here, applied[v]);
+      for (const std::uint32_t v : children) look(v, here);
+      child += size.n_children;
+      ++i;
+    }
+  }
+  for (const std::uint32_t maker : half_edges.base_makers) look(maker, kAlways);
+  for (const OuterTetrahedron& t : half_edges.outer_base) look(t.maker, kAlways);
+  std::vector<float> tolerances;
+  tolerances.reserve(i);
+  for (const Collapse& c : half_edges.collapses) tolerances.push_back(looked_at[c.removed]);
+  return tolerances;
+}
+
+/// By collapse.
+std::vector<std::uint32_t> find_bands(const std::vector<float>& tolerances) {
+  const std::size_t n = tolerances.size();
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.rbegin(), order.rend(), 0U);  // where tolerances are the same, the last first
+  std::ranges::stable_sort(order, std::greater(), [&](std::uint32_t i) { return tolerances[i]; });
+  const auto n_first = static_cast<std::size_t>(std::ranges::count(tolerances, kAlways));
+  std::vector<std::uint32_t> bands(n, kFirstBand);
+  for (std::size_t place = n_first; place < n; ++place)
+    bands[order[place]] = band_of(place - n_first, n - n_first);
+  return bands;
+}
+
 }  // namespace
 
-NodeOrder order_nodes(const TetraMesh& mesh, std::span<const Collapse> collapses) {
+NodeOrder order_nodes(const TetraMesh& mesh, const HalfEdgeCollapses& half_edges) {
+  const std::vector<Collapse>& collapses = half_edges.collapses;
   const SpaceCurve curve(mesh.positions);
   std::vector<std::uint8_t> is_base(mesh.positions.size(), 0);
   for (const auto& t : mesh.tetrahedra)
@@ -39,9 +105,9 @@ NodeOrder order_nodes(const TetraMesh& mesh, std::span<const Collapse> collapses
 
   keyed.clear();
   const std::size_t n = collapses.size();
-  for (std::size_t i = 0; i < n; ++i)
-    keyed.push_back({~band_of(n - 1 - i, n), curve(mesh.positions[collapses[i].removed]),
-                     static_cast<std::uint32_t>(i)});
+  const std::vector<std::uint32_t> bands = find_bands(find_tolerances(mesh, half_edges));
+  for (std::uint32_t i = 0; i < n; ++i)
+    keyed.push_back({~bands[i], curve(mesh.positions[collapses[i].removed]), i});
   std::ranges::sort(keyed);
   order.nodes.resize(n);
   for (std::uint32_t node = 0; node < n; ++node) order.nodes[keyed[node].index] = node;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "lode/core/tetra_mesh.h"
@@ -15,9 +14,11 @@ struct NodeOrder {
   std::vector<std::uint32_t> nodes;          ///< By collapse.
 };
 
-/// Nodes in bands, of which each is about seven times what comes before it: first those that were
-/// collapsed last, which depend on none of later bands. In a band, and base vertices, along a
-/// space-filling curve, so that what is near has near numbers. Unused vertices have none.
-[[nodiscard]] NodeOrder order_nodes(const TetraMesh& mesh, std::span<const Collapse> collapses);
+/// Nodes in bands: first those that tetrahedra of the base wait for, which every query looks at;
+/// then by the tolerance below which a query of the whole domain looks at them, each band about
+/// seven times what of these comes before it. So what a tolerance asks for lies in the first bands.
+/// In a band, and base vertices, along a space-filling curve, so that what is near has near
+/// numbers. Unused vertices have none.
+[[nodiscard]] NodeOrder order_nodes(const TetraMesh& mesh, const HalfEdgeCollapses& collapses);
 
 }  // namespace lode::tetra_mt
