@@ -24,24 +24,18 @@ std::vector<std::int8_t> signs_of(const std::vector<Vec3d>& points, const SplitC
 
 /// What of a component is turned round.
 struct Turn {
-  std::int64_t votes = 0;    ///< Signs of those that may turn, as if all were wound alike;
-  std::int64_t n_other = 0;  ///< how many of them are wound the other way,
-  std::int64_t n_all = 0;    ///< of how many.
-  bool is_together = false;  ///< All turn, or none: it cannot be wound alike, or must not.
+  std::int64_t votes = 0;     ///< Signs, as if all were wound alike where they can be;
+  std::int64_t n_other = 0;   ///< how many are wound the other way,
+  std::int64_t n_all = 0;     ///< of how many.
+  bool is_orientable = true;  ///< Else all turn, or none, but for polyhedra.
   std::uint8_t turned_winding = 0;
-  bool is_turned = false;
 };
 
-void decide(Turn& turn) {
-  if (turn.is_together) {
-    turn.is_turned = turn.votes < 0;
-    return;
-  }
-  // Those wound the other way turn, unless most volumes are negative then.
+/// Those wound the other way turn, unless most volumes are negative then.
+std::uint8_t winding_to_turn(const Turn& turn) {
   const bool is_tie = turn.votes == 0;
   const bool are_others_fewer = 2 * turn.n_other <= turn.n_all;
-  turn.turned_winding = turn.votes > 0 || (is_tie && are_others_fewer) ? 1 : 0;
-  turn.is_turned = true;
+  return turn.votes > 0 || (is_tie && are_others_fewer) ? 1 : 0;
 }
 
 class Winding {
@@ -59,8 +53,12 @@ class Winding {
   [[nodiscard]] const std::vector<std::int8_t>& signs() const { return signs_; }
 
  private:
-  [[nodiscard]] bool may_turn(std::size_t i) const {
-    return type_of_tetrahedron(mesh_, split_, i) != CellType::polyhedron;
+  /// Of a polyhedron, whose faces say what is outside: no order of corners in a file is wrong.
+  [[nodiscard]] bool is_of_polyhedron(std::size_t i) const {
+    return type_of_tetrahedron(mesh_, split_, i) == CellType::polyhedron;
+  }
+  [[nodiscard]] bool is_turned(const Turn& of, std::size_t i) const {
+    return of.is_orientable ? ways_[i] == of.turned_winding : of.votes < 0 && !is_of_polyhedron(i);
   }
   void turn(std::size_t i) {
     std::swap(split_.tetrahedra[i][2], split_.tetrahedra[i][3]);
@@ -79,7 +77,7 @@ void Winding::turn_wedges(TetraReport& report) {
   std::int64_t wedge_votes = 0;
   std::int64_t other_votes = 0;
   for (std::size_t i = 0; i < signs_.size(); ++i) {
-    if (!may_turn(i)) continue;
+    if (is_of_polyhedron(i)) continue;
     const CellType type = type_of_tetrahedron(mesh_, split_, i);
     (type == CellType::wedge ? wedge_votes : other_votes) += signs_[i];
   }
@@ -93,25 +91,21 @@ void Winding::turn_wedges(TetraReport& report) {
 
 void Winding::turn_components(TetraReport& report) {
   std::vector<Turn> turns(faces_.n_components);
+  for (std::size_t i = 0; i < turns.size(); ++i)
+    turns[i].is_orientable = faces_.is_orientable[i] != 0;
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     Turn& of = turns[faces_.components[i]];
-    of.is_together = of.is_together || !may_turn(i) || !faces_.is_orientable[faces_.components[i]];
-  }
-  for (std::size_t i = 0; i < signs_.size(); ++i) {
-    if (!may_turn(i)) continue;
-    Turn& of = turns[faces_.components[i]];
-    const bool is_other = !of.is_together && ways_[i] != 0;
+    if (!of.is_orientable && is_of_polyhedron(i)) continue;
+    const bool is_other = of.is_orientable && ways_[i] != 0;
     of.votes += is_other ? -signs_[i] : signs_[i];
     of.n_other += is_other ? 1 : 0;
     ++of.n_all;
   }
-  for (Turn& of : turns) decide(of);
+  for (Turn& of : turns) of.turned_winding = winding_to_turn(of);
   for (std::size_t i = 0; i < signs_.size(); ++i) {
-    const Turn& of = turns[faces_.components[i]];
-    if (!may_turn(i) || !of.is_turned || (!of.is_together && ways_[i] != of.turned_winding))
-      continue;
+    if (!is_turned(turns[faces_.components[i]], i)) continue;
     turn(i);
-    ++report.n_left_handed;
+    if (!is_of_polyhedron(i)) ++report.n_left_handed;
   }
 }
 

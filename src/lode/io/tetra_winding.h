@@ -19,8 +19,9 @@ namespace lode::io {
 /// the first triangle faces the second one, some the other way. Then, in each component, those that
 /// are not wound as most are, so that all see a face they share from different sides: as most are
 /// that is of positive volume. What is of negative volume then is folded over its neighbours, and
-/// stays. Components that cannot be wound alike, and those with polyhedra, whose winding is known,
-/// turn all of their other cells or none.
+/// stays. So does a polyhedron, whose tetrahedra are wound alike and of positive volume to begin
+/// with: they turn together where it is folded, which is counted as inverted and not as turned.
+/// Components that cannot be wound alike turn all cells but polyhedra, or none.
 void turn_round(const CellMesh& mesh, const std::vector<Vec3d>& points, const TetraFaces& faces,
                 SplitCells& split, TetraReport& report);
 
