@@ -79,14 +79,14 @@ std::vector<MshElement> elements() {
           {11, 3, 2, 8, 77, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}};
 }
 
-void write_mesh_2(MshWriter& file, bool is_binary) {
+void write_mesh_2(MshWriter& file, bool is_binary, const std::vector<MshElement>& all) {
   file.text += fmt::format("$Nodes\n{}\n", kPoints.size());
   for (std::size_t i = 0; i < kPoints.size(); ++i) {
     file.large({kTags[i]});
     file.reals({kPoints[i].v.begin(), kPoints[i].v.end()});
   }
-  file.text += fmt::format("\n$EndNodes\n$Elements\n{}\n", elements().size());
-  for (const MshElement& e : elements()) {
+  file.text += fmt::format("\n$EndNodes\n$Elements\n{}\n", all.size());
+  for (const MshElement& e : all) {
     if (is_binary) file.wholes({e.type, 1, 2});
     file.large({e.tag});
     if (!is_binary) file.wholes({e.type, 2});
@@ -96,7 +96,7 @@ void write_mesh_2(MshWriter& file, bool is_binary) {
   file.text += "\n$EndElements\n";
 }
 
-void write_mesh_4(MshWriter& file) {
+void write_mesh_4(MshWriter& file, const std::vector<MshElement>& all) {
   file.text += "$Entities\n";
   file.large({1, 0, 1, 2});
   file.wholes({5});
@@ -123,8 +123,9 @@ void write_mesh_4(MshWriter& file) {
   file.large({kTags.begin() + 3, kTags.end()});
   for (std::size_t i = 3; i < 10; ++i) file.reals({kPoints[i].v.begin(), kPoints[i].v.end()});
   file.text += "\n$EndNodes\n$Elements\n";
-  file.large({3, 3, 21, 77});
-  for (const MshElement& e : elements()) {
+  const auto n = static_cast<std::int64_t>(all.size());
+  file.large({n, n, 21, 99});
+  for (const MshElement& e : all) {
     file.wholes({e.dimension, e.entity, e.type});
     file.large({1, e.tag});
     file.large(tags_at(e.nodes));
@@ -132,13 +133,13 @@ void write_mesh_4(MshWriter& file) {
   file.text += "\n$EndElements\n";
 }
 
-std::string msh_of(const MshForm& form) {
+std::string msh_of(const MshForm& form, const std::vector<MshElement>& all = elements()) {
   MshWriter file(form);
   file.text += "$PhysicalNames\n2\n2 4 \"its door\"\n3 9 \"a room\"\n$EndPhysicalNames\n";
   if (form.has_blocks)
-    write_mesh_4(file);
+    write_mesh_4(file, all);
   else
-    write_mesh_2(file, form.is_binary);
+    write_mesh_2(file, form.is_binary, all);
   file.text += "$Comments\nwhatever $ stands here\n$EndComments\n";
   file.text += "$NodeData\n1\n\"a field\"\n1\n0.5\n3\n0\n1\n2\n";
   file.wholes({500});
@@ -215,6 +216,28 @@ TEST_P(msh_meshes, cut_or_changed_give_an_error_or_a_valid_mesh) {
 INSTANTIATE_TEST_SUITE_P(forms, msh_meshes, testing::ValuesIn(msh_forms()),
                          [](const auto& form) { return form.param.name; });
 
+TEST_P(msh_meshes, of_types_that_are_not_read_are_refused_with_their_numbers) {
+  const TempDir directory;
+  std::vector<MshElement> all = elements();
+  const auto add = [&](std::int32_t type, std::size_t n_nodes) {
+    all.push_back({type, 3, 1, 9, static_cast<std::int64_t>(90 + all.size()),
+                   std::vector<std::size_t>(n_nodes, 1)});
+  };
+  add(29, 20);
+  add(92, 64);
+  all.push_back({4, 3, 1, 9, 96, {0, 1, 2, 3}});
+  add(14, 14);
+  add(29, 20);
+  test::expect_mesh_failure(directory.write("x.msh", msh_of(GetParam(), all)),
+                            {"expected elements of Gmsh's types 1 to 13 or 15 to 19, got 1 of type "
+                             "14, 2 of type 29, 1 of type 92"});
+  // How many nodes this one has is not known, so that nothing behind can be counted.
+  add(34, 5);
+  add(29, 20);
+  test::expect_mesh_failure(directory.write("x.msh", msh_of(GetParam(), all)),
+                            {"1 of type 14, 2 of type 29, 1 of type 92, at least 1 of type 34"});
+}
+
 TEST(msh_mesh, that_is_wrong_is_refused_by_what_is_wrong) {
   const TempDir directory;
   const std::string good = msh_of({"text_2"});
@@ -234,7 +257,7 @@ TEST(msh_mesh, that_is_wrong_is_refused_by_what_is_wrong) {
   refused("$Elements\n3\n", "$Elements\n2\n", {"expected $EndElements behind as many", "'77'"});
   refused("$Nodes\n10\n", "$Nodes\n4\n", {"$EndNodes behind as many", "'7'"});
   refused("0\n1\n2\n500\n", "0\n1\n1\n500\n", {"$EndNodeData behind as many", "'3'"});
-  refused("22\n4\n", "22\n99\n", {"Gmsh's types", "got 99"});
+  refused("22\n4\n", "22\n99\n", {"Gmsh's types", "got at least 1 of type 99"});
   refused("22\n4\n2\n9\n1\n3\n", "22\n4\n2\n9\n1\n6\n", {"element 22", "the tag 6"});
   refused("3\n6\n3\n1\n", "3\n6\n999999\n1\n", {"components"});
   refused("3\n6\n3\n1\n", "3\n6\n3\n999999\n", {"999999 values"});
@@ -344,9 +367,9 @@ void add_section(const std::string& section, const std::string& name, double tim
 std::string series_of(const MshForm& form) {
   MshWriter file(form);
   if (form.has_blocks)
-    write_mesh_4(file);
+    write_mesh_4(file, elements());
   else
-    write_mesh_2(file, form.is_binary);
+    write_mesh_2(file, form.is_binary, elements());
   add_section("NodeData", "still", 7, 3, {3}, {-5}, file);
   add_section("NodeData", "heat", 0.25, 1, {3, 500}, {11, 12}, file);
   add_section("NodeData", "heat", 1.5, 2, {3, 500}, {21, 22}, file);

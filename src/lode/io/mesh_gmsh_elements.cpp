@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "lode/io/mesh_checks.h"
 #include "lode/io/mesh_gmsh_input.h"
@@ -10,47 +11,65 @@ namespace {
 
 /// A type of elements, by its number in .msh files.
 struct GmshKind {
-  std::uint8_t vtk_type = 0;
+  std::uint8_t vtk_type = 0;  ///< 0: there is none, and elements are only counted.
   std::uint8_t n_nodes = 0;
 };
 
-/// From 1 on. Beyond the simple ones only tetrahedra of 10 nodes have their order put right: the
-/// others serve to be counted or refused by what makes tetrahedra.
-constexpr std::array<GmshKind, 19> kGmshKinds = {{{3, 2},
-                                                  {5, 3},
-                                                  {9, 4},
-                                                  {10, 4},
-                                                  {12, 8},
-                                                  {13, 6},
-                                                  {14, 5},
-                                                  {21, 3},
-                                                  {22, 6},
-                                                  {28, 9},
-                                                  {24, 10},
-                                                  {29, 27},
-                                                  {32, 18},
-                                                  {0, 14},
-                                                  {1, 1},
-                                                  {23, 8},
-                                                  {25, 20},
-                                                  {26, 15},
-                                                  {27, 13}}};
+/// Types 1 to 31; with the two below all that Gmsh's manual lists. Beyond the simple ones only
+/// tetrahedra of 10 nodes have their order put right: the others serve to be counted or refused by
+/// what makes tetrahedra.
+constexpr std::array<GmshKind, 31> kGmshKinds = {
+    {{3, 2},   {5, 3},   {9, 4},   {10, 4},  {12, 8},  {13, 6}, {14, 5}, {21, 3},
+     {22, 6},  {28, 9},  {24, 10}, {29, 27}, {32, 18}, {0, 14}, {1, 1},  {23, 8},
+     {25, 20}, {26, 15}, {27, 13}, {0, 9},   {0, 10},  {0, 12}, {0, 15}, {0, 15},
+     {0, 21},  {0, 4},   {0, 5},   {0, 6},   {0, 20},  {0, 35}, {0, 56}}};
+constexpr std::int64_t kHexahedronOf64 = 92;
+constexpr std::int64_t kHexahedronOf125 = 93;
 
-Result<GmshKind> kind_of(const std::string& path, std::int64_t number) {
-  if (number >= 1 && std::cmp_less_equal(number, kGmshKinds.size())) {
-    const GmshKind kind = kGmshKinds[static_cast<std::size_t>(number - 1)];
-    if (kind.vtk_type != 0) return kind;
-  }
-  return fail("{}: expected elements of Gmsh's types 1 to 13 or 15 to 19, got {}", path, number);
+std::optional<GmshKind> kind_of(std::int64_t number) {
+  if (number >= 1 && std::cmp_less_equal(number, kGmshKinds.size()))
+    return kGmshKinds[static_cast<std::size_t>(number - 1)];
+  if (number == kHexahedronOf64) return GmshKind{0, 64};
+  if (number == kHexahedronOf125) return GmshKind{0, 125};
+  return {};
 }
 
-/// An element's tag and its first physical group.
+/// With all that came and cannot be read, and what came last.
+Error refused_types(const GmshInput& input, const std::string& last) {
+  std::vector<std::string> counts;
+  for (const auto& [number, n] : input.refused_types)
+    counts.push_back(fmt::format("{} of type {}", n, number));
+  if (!last.empty()) counts.push_back(last);
+  return fail("{}: expected elements of Gmsh's types 1 to 13 or 15 to 19, got {}",
+              input.text.path(), fmt::join(counts, ", "));
+}
+
+/// Of the next n elements. Fails on a type whose number of nodes is unknown: nothing behind can be
+/// read.
+Result<GmshKind> expect_kind(std::int64_t number, std::int64_t n, const GmshInput& input) {
+  if (const auto kind = kind_of(number)) return *kind;
+  return refused_types(input, fmt::format("at least {} of type {}", n, number));
+}
+
+/// An element's type, its tag and its first physical group.
 struct GmshElement {
+  std::int64_t type = 0;
   std::int64_t tag = 0;
   std::int64_t group = 0;
 };
 
+Result<void> pass_over_nodes(std::size_t n, GmshInput& input) {
+  for (std::size_t i = 0; i < n; ++i) {
+    LODE_TRY([[maybe_unused]] const std::int64_t node, input.large("a node of an element"));
+  }
+  return {};
+}
+
 Result<void> add_element(const GmshElement& element, const GmshKind& kind, GmshInput& input) {
+  if (kind.vtk_type == 0) {
+    ++input.refused_types[element.type];
+    return pass_over_nodes(kind.n_nodes, input);
+  }
   CellMesh& mesh = input.mesh;
   const auto key = static_cast<std::uint64_t>(element.tag);
   if (mesh.n_cells() > kMaxMeshCount)
@@ -89,8 +108,8 @@ Result<void> read_text_elements(std::int64_t n, GmshInput& input) {
   for (std::int64_t i = 0; i < n; ++i) {
     GmshElement element;
     LODE_TRY(element.tag, input.whole("an element's tag"));
-    LODE_TRY(const std::int64_t number, input.whole("an element's type"));
-    LODE_TRY(const GmshKind kind, kind_of(input.text.path(), number));
+    LODE_TRY(element.type, input.whole("an element's type"));
+    LODE_TRY(const GmshKind kind, expect_kind(element.type, 1, input));
     LODE_TRY(const std::int64_t n_tags, input.whole("a number of tags"));
     LODE_TRY(element.group, read_group(n_tags, input));
     LODE_CHECK(add_element(element, kind, input));
@@ -102,13 +121,13 @@ Result<void> read_text_elements(std::int64_t n, GmshInput& input) {
 Result<void> read_binary_elements(std::int64_t n, GmshInput& input) {
   while (n > 0) {
     LODE_TRY(const std::int64_t number, input.whole("an element's type"));
-    LODE_TRY(const GmshKind kind, kind_of(input.text.path(), number));
     LODE_TRY(const std::int64_t n_run, input.whole("a number of elements"));
     LODE_TRY(const std::int64_t n_tags, input.whole("a number of tags"));
     if (n_run < 1 || n_run > n)
       return fail("{}: expected a run of 1 to {} elements, got {}", input.text.path(), n, n_run);
+    LODE_TRY(const GmshKind kind, expect_kind(number, n_run, input));
     for (std::int64_t i = 0; i < n_run; ++i) {
-      GmshElement element;
+      GmshElement element{.type = number};
       LODE_TRY(element.tag, input.whole("an element's tag"));
       LODE_TRY(element.group, read_group(n_tags, input));
       LODE_CHECK(add_element(element, kind, input));
@@ -123,10 +142,10 @@ Result<void> read_element_block(GmshInput& input) {
   LODE_TRY(const std::int64_t dimension, input.whole("an entity's dimension"));
   LODE_TRY(const std::int64_t entity, input.whole("an entity's tag"));
   LODE_TRY(const std::int64_t number, input.whole("an element's type"));
-  LODE_TRY(const GmshKind kind, kind_of(input.text.path(), number));
   LODE_TRY(const std::int64_t n, input.count("a number of elements"));
+  LODE_TRY(const GmshKind kind, expect_kind(number, n, input));
   const auto found = input.groups.find({dimension, entity});
-  GmshElement element{.group = found == input.groups.end() ? 0 : found->second};
+  GmshElement element{.type = number, .group = found == input.groups.end() ? 0 : found->second};
   for (std::int64_t i = 0; i < n; ++i) {
     LODE_TRY(element.tag, input.large("an element's tag"));
     LODE_CHECK(add_element(element, kind, input));
@@ -134,18 +153,26 @@ Result<void> read_element_block(GmshInput& input) {
   return {};
 }
 
-}  // namespace
-
-Result<void> read_gmsh_elements(GmshInput& input) {
-  if (!input.has_blocks) {
-    LODE_TRY(const std::int64_t n, input.text.whole("a number of elements"));
-    return input.is_binary ? read_binary_elements(n, input) : read_text_elements(n, input);
-  }
+/// As version 4 has them.
+Result<void> read_element_blocks(GmshInput& input) {
   LODE_TRY(const std::int64_t n_blocks, input.count("a number of blocks"));
   for (int i = 0; i < 3; ++i) {
     LODE_TRY([[maybe_unused]] const std::int64_t total, input.large("a number of elements"));
   }
   for (std::int64_t i = 0; i < n_blocks; ++i) LODE_CHECK(read_element_block(input));
+  return {};
+}
+
+Result<void> read_listed_elements(GmshInput& input) {
+  LODE_TRY(const std::int64_t n, input.text.whole("a number of elements"));
+  return input.is_binary ? read_binary_elements(n, input) : read_text_elements(n, input);
+}
+
+}  // namespace
+
+Result<void> read_gmsh_elements(GmshInput& input) {
+  LODE_CHECK(input.has_blocks ? read_element_blocks(input) : read_listed_elements(input));
+  if (!input.refused_types.empty()) return refused_types(input, "");
   return {};
 }
 
