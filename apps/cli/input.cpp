@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include "parse.h"
 #include "salvage.h"
@@ -95,11 +97,30 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
   return open_volume(path, options);
 }
 
-bool ReadingArguments::is_empty() const {
-  return field.empty() && with.empty() && component.empty() && time.empty() && nodata.empty() &&
-         dims.empty() && type.empty() && spacing.empty() && origin.empty() && byte_order.empty() &&
-         weld.empty() && weld_values.empty() && linearise.empty() && region_field.empty() &&
-         solution.empty() && placement.empty() && order.empty() && !is_fast;
+std::string ReadingArguments::given() const {
+  const std::array<std::pair<const char*, bool>, 18> options = {
+      {{"--field", !field.empty()},
+       {"--with", !with.empty()},
+       {"--component", !component.empty()},
+       {"--time", !time.empty()},
+       {"--nodata", !nodata.empty()},
+       {"--dims", !dims.empty()},
+       {"--type", !type.empty()},
+       {"--spacing", !spacing.empty()},
+       {"--origin", !origin.empty()},
+       {"--byte-order", !byte_order.empty()},
+       {"--weld", !weld.empty()},
+       {"--weld-values", !weld_values.empty()},
+       {"--linearise", !linearise.empty()},
+       {"--region-field", !region_field.empty()},
+       {"--solution", !solution.empty()},
+       {"--placement", !placement.empty()},
+       {"--order", !order.empty()},
+       {"--fast", is_fast}}};
+  std::string names;
+  for (const auto& [name, is_given] : options)
+    if (is_given) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  return names;
 }
 
 std::string ReadingArguments::component_number() const {
@@ -196,7 +217,8 @@ Result<void> check_reading_options(const ReadingArguments& arguments, const std:
   if (arguments.salvage && !is_lode_path(path))
     return fail("--salvage: expected a .lode file, got {}", path);
   if (is_lode_path(path) && !arguments.is_empty())
-    return fail("{}: expected no reading options (--field, --dims, ...) for a .lode file", path);
+    return fail("{}: expected no options of reading with a .lode file, got {}", path,
+                arguments.given());
   if (auto options = to_read_options(arguments, {}); !options) return options.error();
   return {};
 }

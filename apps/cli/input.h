@@ -35,8 +35,9 @@ struct ReadingArguments {
   bool has_space_errors = false;  ///< Of a mesh of cells that is built; as far as queries need it.
   bool salvage = false;
 
-  /// Of those.
-  [[nodiscard]] bool is_empty() const;
+  /// Names of the options that are there, but for --salvage: "--field, --dims".
+  [[nodiscard]] std::string given() const;
+  [[nodiscard]] bool is_empty() const { return given().empty(); }
   /// --component as the number that an axis stands for, "magnitude", or as it is.
   [[nodiscard]] std::string component_number() const;
 };

@@ -245,8 +245,8 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
     if (!others.time.empty()) LODE_CHECK(parse_integer("--time", others.time, 0, kMaxStep));
     others.time.clear();
     if (!others.is_empty())
-      return fail("{}: expected no reading options but --field, --with and --time, got others",
-                  path);
+      return fail("{}: expected no options of reading but --field, --with and --time, got {}", path,
+                  others.given());
     return check_reading_options(others, path);
   }
   LODE_CHECK(to_tetra_options(reading));
@@ -266,11 +266,14 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
     LODE_CHECK(parse_integer("--time", others.time, 0, kMaxStep));
     others.time.clear();
   }
-  if (!others.is_empty() || others.salvage)
+  std::string got = others.given();
+  if (others.salvage) got += got.empty() ? "--salvage" : ", --salvage";
+  if (!got.empty())
     return fail(
         "{}: expected no options of reading but --field, --with, --component, --weld, "
-        "--weld-values, --linearise, --region-field, --placement, --order and --fast, got others",
-        path);
+        "--weld-values, --linearise, --region-field{}{}, --placement, --order and --fast, got {}",
+        path, may_have_steps(path) ? ", --time" : "", is_medit_path(path) ? ", --solution" : "",
+        got);
   return {};
 }
 

@@ -58,7 +58,8 @@ Result<void> check_tetra_verify(const TetraVerifyJob& job) {
     return fail("--against: expected the mesh of cells that it was made from, got '{}'",
                 job.original);
   if (is_lode_path(job.input) && job.original.empty() && !job.reading.is_empty())
-    return fail("{}: expected no options of reading with a .lode file, got some", job.input);
+    return fail("{}: expected no options of reading with a .lode file, got {}", job.input,
+                job.reading.given());
   ReadingArguments reading = job.reading;
   // Also of an original without steps, that one step of a series was attached from.
   if (!job.original.empty() && !reading.time.empty()) {

@@ -298,7 +298,8 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
   refused(midpoint({scratch_ / "volume.nrrd", output_, "--mesh"}),
           "--placement, --order and --fast: expected a mesh of cells with");
   EXPECT_EQ(run_lode({"build", input_, model, "--placement", "half-edge"}).exit_code, 0);
-  refused(midpoint({model, output_, "--mesh"}), "expected no reading options but --field");
+  refused(midpoint({model, output_, "--mesh"}),
+          "expected no options of reading but --field, --with and --time, got --placement");
 }
 
 }  // namespace

@@ -111,7 +111,9 @@ TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
   refused({"attach-field", model, still, still, all, "--field", "noise"},
           "--at: expected the times of 2 steps");
   refused({"build", still, model, "--field", "noise", "--time", "1"},
-          "expected no options of reading");
+          "--region-field, --placement, --order and --fast, got --time");
+  refused({"build", mesh, model, "--field", "heat", "--time", "1", "--nodata", "3"},
+          "--region-field, --time, --placement, --order and --fast, got --nodata");
 }
 
 TEST_F(cli_mesh_fields, have_the_time_that_their_build_was_told) {
@@ -204,6 +206,8 @@ TEST_F(cli_mesh_fields, of_medit_meshes_come_from_solutions) {
       2 * high);
   done({"verify", model, "--against", medit, "--solution", scratch_ / "later.sol"});
   EXPECT_NE(run_lode({"verify", model, "--against", medit}).exit_code, 0);
+  refused({"build", medit, model, "--nodata", "3"},
+          "--region-field, --solution, --placement, --order and --fast, got --nodata");
   const std::string all = scratch_ / "all.lode";
   const nlohmann::json attached =
       done({"attach-field", model, medit, all, "--field", "solution_1", "--solution",

@@ -352,6 +352,8 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   };
   const std::string surface = scratch_ / "out.ply";
   refused({"extract", input_, surface}, "expected --isovalue or --mesh");
+  refused({"extract", input_, surface, "--boundary", "--patch", "5"},
+          "patches: expected none, as the mesh has none, got 5");
   refused({"extract", input_, surface, "--section", "0,0,1:0,0,0"}, "expected a normal");
   refused({"extract", input_, output_, "--mesh", "--section", "0,0,1:0,0,0"}, "expected a normal");
   refused({"extract", input_, surface, "--boundary", "--section", "0,0,1:0,0,1"},
@@ -375,7 +377,9 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
           "expected an output that is not an input");
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"},
-          "no options of reading but --field, --with, --component");
+          "no options of reading but --field, --with, --component, --weld, --weld-values, "
+          "--linearise, --region-field, --placement, --order and --fast, got --nodata");
+  refused({"info", input_, "--dims", "2x2x2", "--type", "uint8"}, "--fast, got --dims, --type");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
   refused({"count", input_, "--isovalue", "3"}, "which this command does not take");

@@ -85,6 +85,8 @@ Result<std::vector<std::uint32_t>> find_patches(const TetraInfo& info,
     for (std::uint32_t i = 0; i < info.patches.size(); ++i)
       if (is_called(info.patches[i], text)) places.push_back(i);
     if (places.size() > before) continue;
+    if (info.patches.empty())
+      return fail("patches: expected none, as the mesh has none, got {}", text);
     std::vector<std::string> names;
     for (const BoundaryPatch& patch : info.patches) names.push_back(name_of(patch));
     return fail("patches: expected one of {}, got {}", list_names(std::move(names)), text);
