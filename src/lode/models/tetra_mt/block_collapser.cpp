@@ -53,6 +53,7 @@ BlockCollapser::BlockCollapser(BuildState& state, std::span<const std::uint32_t>
             static_cast<std::uint32_t>(vertices_.size() - 1),
             local_tetrahedra(state, slots, places)),
       gatherer_(live_),
+      beside_(live_),
       queue_(static_cast<std::uint32_t>(vertices.size())),
       has_changed_(slots.size(), 0) {
   for (std::size_t i = 0; i + 1 < vertices_.size(); ++i) {
@@ -63,6 +64,7 @@ BlockCollapser::BlockCollapser(BuildState& state, std::span<const std::uint32_t>
   for (const std::uint32_t slot : slots) {
     samples_.push_back(state.first_sample[slot]);
     makers_.push_back(state.makers[slot]);
+    corner_sets_.push_back(state.corner_sets[slot]);
   }
   covered_.n_fields = state.n_fields;
   fan_.kept_value.resize(state.n_fields);

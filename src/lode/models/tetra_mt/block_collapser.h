@@ -9,6 +9,7 @@
 #include "lode/models/tetra_mt/build_state.h"
 #include "lode/models/tetra_mt/collapse_queue.h"
 #include "lode/models/tetra_mt/fan.h"
+#include "lode/models/tetra_mt/held_samples.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/refusals.h"
@@ -101,7 +102,9 @@ class BlockCollapser {
     double rounding = 0;              ///< What a weight may be off, and more.
   };
   [[nodiscard]] Cover cover_by(std::size_t lane, int kept, std::uint32_t sample) const;
-  [[nodiscard]] std::optional<Cover> find_cover(int kept, std::size_t sample) const;
+  [[nodiscard]] std::optional<Cover> find_cover(int kept, const StarSamples& samples,
+                                                std::size_t sample) const;
+  [[nodiscard]] std::optional<Cover> find_holder(int kept, std::uint32_t sample);
   [[nodiscard]] double hull_error_of(const Cover& cover, int kept, std::uint32_t sample,
                                      std::size_t field) const;
   [[nodiscard]] double error_of(const Cover& cover, int kept, std::uint32_t sample,
@@ -117,6 +120,8 @@ class BlockCollapser {
   [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] bool cover_samples(int kept);
   void note_facts(int kept);
+  void note_held_samples(int kept);
+  void note_held(int kept, std::uint32_t sample);
   [[nodiscard]] double world_error_of(int kept, std::size_t field) const;
   void note_star();
   void look_again_beside(float key, float limit);
@@ -129,10 +134,12 @@ class BlockCollapser {
   std::vector<std::uint32_t> slots_;
   LiveTetrahedra live_;
   StarGatherer gatherer_;
+  TetrahedraBeside beside_;
   CollapseQueue queue_;
   std::vector<Vec3d> positions_;           ///< By own and other vertex.
   std::vector<double> values_;             ///< Likewise, and by field.
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
+  std::vector<CornerSets> corner_sets_;    ///< By slot.
   std::vector<std::uint32_t> makers_;      ///< By slot.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   Star star_;
@@ -148,6 +155,7 @@ class BlockCollapser {
   StarLanes lanes_;
   bool has_lanes_ = false;  ///< They are those of the star.
   StarSamples covered_;
+  StarSamples one_beside_;  ///< One that is not of them.
   Fan fan_;
   std::vector<Choice> choices_;
   std::vector<Collapse> collapses_;

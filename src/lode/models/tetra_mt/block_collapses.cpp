@@ -14,6 +14,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Weights of samples that are outside, and not by rounding of doubles alone.
 constexpr double kLeftOutside = -1e-4;
+/// Weights that floats find may be off by less.
+constexpr double kFarOutside = -1e-3;
 
 }  // namespace
 
@@ -25,19 +27,24 @@ bool BlockCollapser::collapse(const Choice& choice) {
   for (int i = 0; i < star_.n_triangles; ++i) {
     const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
     samples_[slot] = kNone;
+    corner_sets_[slot] = {};
     has_changed_[slot] = 1;
   }
   const std::size_t n = state_.n_fields;
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
     const std::uint32_t sample = covered_.samples[s];
-    std::uint32_t& first = samples_[star_.slots[covers_[s].lane]];
+    const Cover& cover = covers_[s];
+    const std::uint32_t slot = star_.slots[cover.lane];
+    corner_sets_[slot].add(
+        weights_of_corners(live_.corners(slot), star_, cover.lane, cover.weights), cover.least);
+    std::uint32_t& first = samples_[slot];
     state_.next_sample[sample] = first;
     first = sample;
     for (std::size_t f = 0; f < n; ++f)
       state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
     if (covered_.space_unit > 0)
       for (std::size_t f = 0; f < n; ++f)
-        state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, covers_[s].lane);
+        state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, cover.lane);
   }
   note_facts(place);
   note_star();
@@ -58,7 +65,7 @@ bool BlockCollapser::cover_samples(int place) {
   covers_.clear();
   new_errors_.clear();
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    auto cover = find_cover(place, s);
+    auto cover = find_cover(place, covered_, s);
     if (!cover) return false;
     if (rules_.boundary_tolerance > 0 && cover->least < 0) clamp_weights(cover->weights);
     covers_.push_back(*cover);
@@ -95,18 +102,19 @@ BlockCollapser::Cover BlockCollapser::cover_by(std::size_t lane, int kept,
 /// The lane that floats found, unless doubles say that the sample lies outside: then the best one.
 /// None where even doubles do not tell.
 std::optional<BlockCollapser::Cover> BlockCollapser::find_cover(int kept,
+                                                                const StarSamples& samples,
                                                                 std::size_t sample) const {
   constexpr double kInside = -1e-9;
   std::optional<Cover> best;
   double least = -kInfinity;
   const auto look_at = [&](std::size_t lane) {
     if (fan_.gaps[lane] != 0) return;
-    const Cover here = cover_by(lane, kept, covered_.samples[sample]);
+    const Cover here = cover_by(lane, kept, samples.samples[sample]);
     if (!(here.least > least)) return;
     least = here.least;
     best = here;
   };
-  const std::size_t found = find_lane(fan_, lanes_.n, covered_, sample);
+  const std::size_t found = find_lane(fan_, lanes_.n, samples, sample);
   const auto n = static_cast<std::size_t>(star_.n_triangles);
   if (found < n) look_at(found);
   for (std::size_t lane = 0; lane < n && !(least >= kInside); ++lane) look_at(lane);
@@ -186,6 +194,39 @@ void BlockCollapser::note_facts(int kept) {
     if (rules_.has_world_errors) facts.world_error = world_error_of(kept, f);
     facts_.push_back(facts);
   }
+  note_held_samples(kept);
+}
+
+/// Of a sample that no tetrahedron of the star covers, the best lane of those that hold it.
+std::optional<BlockCollapser::Cover> BlockCollapser::find_holder(int kept, std::uint32_t sample) {
+  const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
+  one_beside_.samples.assign(1, sample);
+  one_beside_.x.assign(1, static_cast<float>(p[0]));
+  one_beside_.y.assign(1, static_cast<float>(p[1]));
+  one_beside_.z.assign(1, static_cast<float>(p[2]));
+  const std::size_t lane = find_lane(fan_, lanes_.n, one_beside_, 0);
+  const bool is_known = lane < static_cast<std::size_t>(star_.n_triangles) && fan_.gaps[lane] == 0;
+  if (!is_known || !(cover_by(lane, kept, sample).least >= kFarOutside)) return {};
+  auto cover = find_cover(kept, one_beside_, 0);
+  return cover && cover->least >= -kHeld - cover->rounding ? cover : std::nullopt;
+}
+
+/// What is covered by others but lies in faces, edges or vertices of the fan counts, too.
+void BlockCollapser::note_held_samples(int kept) {
+  const auto link = std::span(star_.link).first(static_cast<std::size_t>(star_.n_link));
+  const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
+  beside_.visit(std::span(&star_.vertex, 1), link, sets_of, [&](std::uint32_t slot) {
+    for (std::uint32_t s = samples_[slot]; s != kNone; s = state_.next_sample[s])
+      note_held(kept, s);
+  });
+}
+
+void BlockCollapser::note_held(int kept, std::uint32_t sample) {
+  const auto holder = find_holder(kept, sample);
+  if (!holder) return;
+  const std::span<CollapseFacts> facts = std::span(facts_).last(state_.n_fields);
+  for (std::size_t f = 0; f < state_.n_fields; ++f)
+    widen_by(state_.value(sample, f), error_of(*holder, kept, sample, f), facts[f]);
 }
 
 /// And whose its tetrahedra are from now on.
@@ -226,6 +267,7 @@ void BlockCollapser::write_back() {
     for (std::size_t k = 0; k < 4; ++k) to[k] = global(from[k]);
     state_.first_sample[slots_[i]] = samples_[i];
     state_.makers[slots_[i]] = makers_[i];
+    state_.corner_sets[slots_[i]] = corner_sets_[i];
   }
 }
 

@@ -40,6 +40,7 @@ BuildState::BuildState(const TetraMesh& reference, CollapseOrder order)
 Result<void> BuildState::close(Threads threads) {
   LODE_CHECK(close_boundary(outside, tetrahedra, threads));
   first_sample.assign(tetrahedra.size(), kNone);
+  corner_sets.assign(tetrahedra.size(), {});
   deviations.assign(tetrahedra.size(), 0);
   makers.assign(tetrahedra.size(), kNone);
   labels = labels_of(mesh, tetrahedra);

@@ -10,6 +10,7 @@
 #include "lode/models/tetra_mt/collapse_order.h"
 #include "lode/models/tetra_mt/collapse_stars.h"
 #include "lode/models/tetra_mt/field_quadric.h"
+#include "lode/models/tetra_mt/held_samples.h"
 #include "lode/models/tetra_mt/value_distance.h"
 
 namespace lode::tetra_mt {
@@ -64,6 +65,7 @@ struct BuildState {
   std::vector<std::uint32_t> next_on_boundary;   ///< By removed vertex.
   std::vector<float> boundary_edges;             ///< By vertex: the reference's longest at it.
   std::vector<std::uint32_t> first_sample;       ///< By slot: of those it covers, kNone where none.
+  std::vector<CornerSets> corner_sets;           ///< By slot: of the same.
   std::vector<std::uint32_t> next_sample;        ///< By removed vertex: the next one there.
   std::size_t n_fields;
   std::vector<double> scales;    ///< By field: what makes its range 1; 0 where it has none.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lode/models/tetra_mt/fan_distance.h"
+#include "lode/models/tetra_mt/held_samples.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/mesh_check.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -93,8 +94,10 @@ class FieldMeasurer {
         n_(static_cast<std::uint32_t>(mesh.positions.size())),
         has_world_errors_(hierarchy.head().fields[0].base_world_error.has_value()),
         live_(n_, n_, mesh.tetrahedra),
+        beside_(live_),
         first_sample_(mesh.tetrahedra.size(), kNone),
         next_sample_(n_, kNone),
+        corner_sets_(mesh.tetrahedra.size()),
         facts_(mesh.fields.size(), std::vector<Facts>(hierarchy.head().shape.n_nodes)) {
     for (const MeshField& field : mesh.fields) {
       const auto [low, high] = std::ranges::minmax_element(field.values);
@@ -122,7 +125,12 @@ class FieldMeasurer {
     }
   };
 
+  [[nodiscard]] Covering best_of_made(std::uint32_t sample, std::uint32_t kept) const;
+  [[nodiscard]] std::array<double, 4> shares_of_corners(const Covering& covering,
+                                                        std::uint32_t kept) const;
   void assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept);
+  void find_beside(std::uint32_t removed);
+  void note_held(std::uint32_t sample, std::uint32_t node, std::uint32_t kept);
   [[nodiscard]] double error_of(const Covering& covering, std::uint32_t sample, std::uint32_t kept,
                                 std::size_t field) const;
   [[nodiscard]] double world_error_of(std::uint32_t sample, std::size_t first,
@@ -134,12 +142,16 @@ class FieldMeasurer {
   std::uint32_t n_;
   bool has_world_errors_;
   LiveTetrahedra live_;
+  TetrahedraBeside beside_;
   std::vector<std::uint32_t> first_sample_;  ///< By slot,
   std::vector<std::uint32_t> next_sample_;   ///< and by vertex that has gone.
+  std::vector<CornerSets> corner_sets_;      ///< By slot, of the same.
   std::vector<std::vector<Facts>> facts_;    ///< By field and node.
   std::vector<std::uint32_t> made_;          ///< Slots of what a collapse makes.
   std::vector<std::uint32_t> samples_;
-  std::vector<double> slacks_;  ///< By field: kSameValue of its range.
+  std::vector<std::uint32_t> link_;            ///< Of what goes.
+  std::vector<std::uint32_t> samples_beside_;  ///< Some of which what a collapse makes may hold.
+  std::vector<double> slacks_;                 ///< By field: kSameValue of its range.
   bool has_lost_sample_ = false;
 };
 
@@ -160,6 +172,19 @@ double FieldMeasurer::error_of(const Covering& covering, std::uint32_t sample, s
   return error == 0 ? 0 : error + size * covering.rounding;
 }
 
+std::array<double, 4> FieldMeasurer::shares_of_corners(const Covering& covering,
+                                                       std::uint32_t kept) const {
+  const Tetrahedron& corners = live_.corners(covering.slot);
+  const auto place = static_cast<std::size_t>(std::ranges::find(corners, kept) - corners.begin());
+  const auto other = others(corners, place);
+  std::array<double, 4> shares{};
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const auto at = std::ranges::find(other, corners[i]) - other.begin();
+    shares[i] = covering.shares[i == place ? 0 : static_cast<std::size_t>(at) + 1];
+  }
+  return shares;
+}
+
 /// By the cells that a collapse makes; `first`: the place of the one that covers the sample.
 double FieldMeasurer::world_error_of(std::uint32_t sample, std::size_t first,
                                      std::size_t field) const {
@@ -176,7 +201,7 @@ double FieldMeasurer::world_error_of(std::uint32_t sample, std::size_t first,
   return distance_in_cells(made_.size(), first, cell_at, same, mesh_.positions[sample], 0);
 }
 
-void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept) {
+Covering FieldMeasurer::best_of_made(std::uint32_t sample, std::uint32_t kept) const {
   constexpr double kInside = 1e-12;
   Covering best;
   for (const std::uint32_t slot : made_) {
@@ -185,11 +210,17 @@ void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32
     if (here.least > best.least) best = here;
     if (best.least > kInside) break;
   }
+  return best;
+}
+
+void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept) {
+  Covering best = best_of_made(sample, kept);
   if (best.slot == kNone) {
     has_lost_sample_ = true;
     return;
   }
   if (best.least < 0) clamp(best);
+  corner_sets_[best.slot].add(shares_of_corners(best, kept), best.least);
   const auto covers = static_cast<std::size_t>(std::ranges::find(made_, best.slot) - made_.begin());
   next_sample_[sample] = first_sample_[best.slot];
   first_sample_[best.slot] = sample;
@@ -203,6 +234,29 @@ void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32
   }
 }
 
+/// What others cover, before the collapse.
+void FieldMeasurer::find_beside(std::uint32_t removed) {
+  link_.clear();
+  for (const std::uint32_t slot : made_)
+    for (const std::uint32_t v : live_.corners(slot))
+      if (v != removed) link_.push_back(v);
+  std::ranges::sort(link_);
+  link_.erase(std::ranges::unique(link_).begin(), link_.end());
+  samples_beside_.clear();
+  const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
+  beside_.visit(std::span(&removed, 1), link_, sets_of, [&](std::uint32_t slot) {
+    for (std::uint32_t s = first_sample_[slot]; s != kNone; s = next_sample_[s])
+      samples_beside_.push_back(s);
+  });
+}
+
+void FieldMeasurer::note_held(std::uint32_t sample, std::uint32_t node, std::uint32_t kept) {
+  const Covering best = best_of_made(sample, kept);
+  if (best.slot == kNone || !(best.least >= -kHeld - best.rounding)) return;
+  for (std::size_t f = 0; f < facts_.size(); ++f)
+    widen_by(mesh_.fields[f].values[sample], error_of(best, sample, kept, f), facts_[f][node]);
+}
+
 void FieldMeasurer::collapse(std::uint32_t node) {
   const std::uint32_t removed = mesh_vertices_[hierarchy_.head().shape.n_base_vertices + node];
   const std::uint32_t kept = mesh_vertices_[hierarchy_.links(node).target()];
@@ -212,13 +266,16 @@ void FieldMeasurer::collapse(std::uint32_t node) {
     for (std::uint32_t s = first_sample_[slot]; s != kNone; s = next_sample_[s])
       samples_.push_back(s);
     first_sample_[slot] = kNone;
+    corner_sets_[slot] = {};
     for (const std::uint32_t v : live_.corners(slot))
       for (std::size_t f = 0; f < facts_.size(); ++f)
         facts_[f][node].widen(mesh_.fields[f].values[v]);
   }
+  find_beside(removed);
   live_.collapse(removed, kept);
   std::erase_if(made_, [&](std::uint32_t slot) { return live_.is_gone(slot); });
   for (const std::uint32_t sample : samples_) assign(sample, node, kept);
+  for (const std::uint32_t sample : samples_beside_) note_held(sample, node, kept);
 }
 
 void FieldMeasurer::nest(std::uint32_t node) {

@@ -13,6 +13,8 @@ namespace lode::tetra_mt::midpoint {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+/// Weights that floats find may be off by less.
+constexpr double kFarOutside = -1e-3;
 
 }  // namespace
 
@@ -98,18 +100,19 @@ EdgeCollapser::Cover EdgeCollapser::cover_by(std::size_t lane, std::uint32_t sam
 
 /// The lane that floats found, unless doubles say that the sample lies outside: then the best one.
 /// None where even doubles do not tell.
-std::optional<EdgeCollapser::Cover> EdgeCollapser::find_cover(std::size_t sample) const {
+std::optional<EdgeCollapser::Cover> EdgeCollapser::find_cover(const StarSamples& samples,
+                                                              std::size_t sample) const {
   constexpr double kInside = -1e-9;
   std::optional<Cover> best;
   double least = -kUnbounded;
   const auto look_at = [&](std::size_t lane) {
     if (fan_.gaps[lane] != 0) return;
-    const Cover here = cover_by(lane, covered_.samples[sample]);
+    const Cover here = cover_by(lane, samples.samples[sample]);
     if (!(here.least > least)) return;
     least = here.least;
     best = here;
   };
-  const std::size_t found = find_lane(fan_, lanes_.n, covered_, sample);
+  const std::size_t found = find_lane(fan_, lanes_.n, samples, sample);
   const auto n = static_cast<std::size_t>(edge_.n_triangles);
   if (found < n) look_at(found);
   for (std::size_t lane = 0; lane < n && !(least >= kInside); ++lane) look_at(lane);
@@ -136,7 +139,7 @@ bool EdgeCollapser::cover_samples() {
   covers_.clear();
   new_errors_.clear();
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    auto cover = find_cover(s);
+    auto cover = find_cover(covered_, s);
     if (!cover) return false;
     if (state_.boundary_tolerance > 0 && cover->least < 0) clamp_weights(cover->weights);
     covers_.push_back(*cover);
@@ -153,25 +156,32 @@ void EdgeCollapser::move_samples() {
     for (int i = 0; i < star->n_triangles; ++i) {
       const std::uint32_t slot = star->slots[static_cast<std::size_t>(i)];
       samples_[slot] = kNone;
+      corner_sets_[slot] = {};
       has_changed_[slot] = 1;
     }
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
     const std::uint32_t sample = covered_.samples[s];
-    std::uint32_t& first = samples_[edge_.slots[covers_[s].lane]];
+    const Cover& cover = covers_[s];
+    const std::uint32_t slot = edge_.slots[cover.lane];
+    corner_sets_[slot].add(
+        weights_of_corners(live_.corners(slot), edge_, cover.lane, cover.weights), cover.least);
+    std::uint32_t& first = samples_[slot];
     state_.next_sample[sample] = first;
     first = sample;
     for (std::size_t f = 0; f < state_.n_fields; ++f)
       state_.errors_of(sample)[f] =
           static_cast<float>(new_errors_[s * state_.n_fields + f] * state_.value_units[f]);
     for (std::size_t f = 0; is_by_space() && f < state_.n_fields; ++f)
-      state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, covers_[s].lane);
+      state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, cover.lane);
   }
 }
 
 /// Both ends are in the edge's link or among the samples, but for the star's vertex.
 void EdgeCollapser::note_facts() {
   for (std::size_t f = 0; f < state_.n_fields; ++f) note_facts(f);
+  note_held_samples();
 }
+
 /// Of the samples, in the mesh's unit.
 double EdgeCollapser::world_error_of(std::size_t field) const {
   const std::size_t n = state_.n_fields;
@@ -207,6 +217,38 @@ void EdgeCollapser::note_facts(std::size_t field) {
     if (i != edge_.outside) widen(values_[edge_.link[static_cast<std::size_t>(i)] * n + field]);
   if (state_.has_world_errors) facts.world_error = world_error_of(field);
   facts_.push_back(facts);
+}
+
+/// Of a sample that no tetrahedron of either star covers, the best lane of those that hold it.
+std::optional<EdgeCollapser::Cover> EdgeCollapser::find_holder(std::uint32_t sample) {
+  const Vec3d p = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_;
+  one_beside_.samples.assign(1, sample);
+  one_beside_.x.assign(1, static_cast<float>(p[0]));
+  one_beside_.y.assign(1, static_cast<float>(p[1]));
+  one_beside_.z.assign(1, static_cast<float>(p[2]));
+  const std::size_t lane = find_lane(fan_, lanes_.n, one_beside_, 0);
+  const bool is_known = lane < static_cast<std::size_t>(edge_.n_triangles) && fan_.gaps[lane] == 0;
+  if (!is_known || !(cover_by(lane, sample).least >= kFarOutside)) return {};
+  auto cover = find_cover(one_beside_, 0);
+  return cover && cover->least >= -kHeld - cover->rounding ? cover : std::nullopt;
+}
+
+/// What is covered by others but lies in faces, edges or vertices of the fan counts, too.
+void EdgeCollapser::note_held_samples() {
+  const std::array<std::uint32_t, 2> ends{star_.vertex, other_.vertex};
+  const auto link = std::span(edge_.link).first(static_cast<std::size_t>(edge_.n_link));
+  const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
+  beside_.visit(ends, link, sets_of, [&](std::uint32_t slot) {
+    for (std::uint32_t s = samples_[slot]; s != kNone; s = state_.next_sample[s]) note_held(s);
+  });
+}
+
+void EdgeCollapser::note_held(std::uint32_t sample) {
+  const auto holder = find_holder(sample);
+  if (!holder) return;
+  const std::span<EdgeFacts> facts = std::span(facts_).last(state_.n_fields);
+  for (std::size_t f = 0; f < state_.n_fields; ++f)
+    widen_by(state_.sample(sample, f), error_of(*holder, sample, f), facts[f]);
 }
 
 void EdgeCollapser::make_vertex(std::uint32_t other) {

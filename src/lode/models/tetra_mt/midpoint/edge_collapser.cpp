@@ -50,6 +50,7 @@ EdgeCollapser::EdgeCollapser(State& state, std::span<const std::uint32_t> vertic
       live_(static_cast<std::uint32_t>(vertices.size()),
             static_cast<std::uint32_t>(vertices_.size() - 1), numbered(state, slots, places)),
       gatherer_(live_),
+      beside_(live_),
       queue_(static_cast<std::uint32_t>(vertices.size())),
       has_changed_(slots.size(), 0),
       link_places_(vertices_.size(), kNoPlace) {
@@ -58,7 +59,10 @@ EdgeCollapser::EdgeCollapser(State& state, std::span<const std::uint32_t> vertic
     for (std::size_t f = 0; f < state.n_fields; ++f)
       values_.push_back(state.values[vertices_[i] * state.n_fields + f]);
   }
-  for (const std::uint32_t slot : slots) samples_.push_back(state.first_sample[slot]);
+  for (const std::uint32_t slot : slots) {
+    samples_.push_back(state.first_sample[slot]);
+    corner_sets_.push_back(state.corner_sets[slot]);
+  }
   covered_.n_fields = state.n_fields;
   fan_.kept_value.resize(state.n_fields);
   fan_.gradients.resize(state.n_fields);
@@ -215,6 +219,7 @@ void EdgeCollapser::write_back() {
     }
     for (std::size_t k = 0; k < 4; ++k) to[k] = global(from[k]);
     state_.first_sample[slots_[i]] = samples_[i];
+    state_.corner_sets[slots_[i]] = corner_sets_[i];
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "lode/models/tetra_mt/collapse_queue.h"
 #include "lode/models/tetra_mt/fan.h"
+#include "lode/models/tetra_mt/held_samples.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/midpoint/edge_patch.h"
@@ -145,12 +146,16 @@ class EdgeCollapser {
   [[nodiscard]] bool look_at_one_edge(int place);
   void change(int place);
   [[nodiscard]] Cover cover_by(std::size_t lane, std::uint32_t sample) const;
-  [[nodiscard]] std::optional<Cover> find_cover(std::size_t sample) const;
+  [[nodiscard]] std::optional<Cover> find_cover(const StarSamples& samples,
+                                                std::size_t sample) const;
+  [[nodiscard]] std::optional<Cover> find_holder(std::uint32_t sample);
   [[nodiscard]] double error_of(const Cover& cover, std::uint32_t sample, std::size_t field) const;
   [[nodiscard]] bool cover_samples();
   void move_samples();
   void note_facts();
   void note_facts(std::size_t field);
+  void note_held_samples();
+  void note_held(std::uint32_t sample);
   [[nodiscard]] double world_error_of(std::size_t field) const;
   void make_vertex(std::uint32_t other);
 
@@ -159,10 +164,12 @@ class EdgeCollapser {
   std::vector<std::uint32_t> slots_;
   LiveTetrahedra live_;
   StarGatherer gatherer_;
+  TetrahedraBeside beside_;
   CollapseQueue queue_;
   std::vector<Vec3d> positions_;           ///< By own and other vertex.
   std::vector<double> values_;             ///< Likewise, and by field.
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
+  std::vector<CornerSets> corner_sets_;    ///< By slot.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   std::vector<std::uint8_t>
       link_places_;  ///< By vertex: its place in the star's link, or kNoPlace.
@@ -185,6 +192,7 @@ class EdgeCollapser {
   double scale_ = 1;  ///< A power of two that makes the star about as large as 1.
   StarLanes lanes_;
   StarSamples covered_;
+  StarSamples one_beside_;  ///< One that is not of them.
   Fan fan_;
   Rule rule_{};
   PositionCode code_{};

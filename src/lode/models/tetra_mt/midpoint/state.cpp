@@ -79,6 +79,7 @@ void State::take_fields() {
 Result<void> State::close(Threads threads) {
   LODE_CHECK(close_boundary(outside, tetrahedra, threads));
   first_sample.assign(tetrahedra.size(), kNone);
+  corner_sets.assign(tetrahedra.size(), {});
   deviations.assign(tetrahedra.size(), 0);
   labels = labels_of(mesh, tetrahedra);
   return {};

@@ -9,6 +9,7 @@
 #include "lode/models/tetra_mt/closed_mesh.h"
 #include "lode/models/tetra_mt/collapse_order.h"
 #include "lode/models/tetra_mt/field_quadric.h"
+#include "lode/models/tetra_mt/held_samples.h"
 #include "lode/models/tetra_mt/midpoint/codes.h"
 #include "lode/models/tetra_mt/value_distance.h"
 
@@ -54,6 +55,7 @@ struct State {
   /// or they from it, at most, where the tetrahedron across says no more.
   std::vector<double> deviations;
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
+  std::vector<CornerSets> corner_sets;      ///< By slot: of the same.
   std::vector<std::uint32_t> next_sample;   ///< By vertex of the mesh that is no more in it.
 
   // By vertex; values, their codes and errors by field, too.
