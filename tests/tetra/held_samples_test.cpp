@@ -227,7 +227,7 @@ TEST(held_samples, of_half_edges_are_within_what_each_cell_states) {
 }
 
 TEST(held_samples, of_fields_attached_to_half_edges_are_within_what_each_cell_states) {
-  for (const std::size_t i : {0, 5, 10}) {
+  for (const std::size_t i : {0U, 5U, 10U}) {
     const TetraMesh mesh = meshes()[i];
     const tetra_mt::Hierarchy made = half_edges_of(mesh);
     const PackedHierarchy hierarchy = packed(made, mesh);

@@ -241,7 +241,7 @@ void FieldMeasurer::find_beside(std::uint32_t removed) {
     for (const std::uint32_t v : live_.corners(slot))
       if (v != removed) link_.push_back(v);
   std::ranges::sort(link_);
-  link_.erase(std::ranges::unique(link_).begin(), link_.end());
+  link_.erase(std::unique(link_.begin(), link_.end()), link_.end());
   samples_beside_.clear();
   const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
   beside_.visit(std::span(&removed, 1), link_, sets_of, [&](std::uint32_t slot) {
