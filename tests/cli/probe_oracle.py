@@ -5,23 +5,27 @@ probe_oracle.py MESH POINTS  for each line X,Y,Z of POINTS a line: the array's v
 """
 import sys
 
-import vtk
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkProbeFilter
+from vtkmodules.vtkFiltersParallel import vtkIntegrateAttributes
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 
 def main(mesh_path, points_path):
-    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(mesh_path)
     reader.Update()
     mesh = reader.GetOutput()
     name = mesh.GetPointData().GetArray(0).GetName()
-    points = vtk.vtkPoints()
+    points = vtkPoints()
     points.SetDataTypeToDouble()
     with open(points_path) as lines:
         for line in lines:
             points.InsertNextPoint(*(float(x) for x in line.split(",")))
-    places = vtk.vtkPolyData()
+    places = vtkPolyData()
     places.SetPoints(points)
-    probe = vtk.vtkProbeFilter()
+    probe = vtkProbeFilter()
     probe.SetInputData(places)
     probe.SetSourceData(mesh)
     probe.Update()
@@ -29,7 +33,7 @@ def main(mesh_path, points_path):
     for i in range(points.GetNumberOfPoints()):
         is_inside = found.GetArray("vtkValidPointMask").GetTuple1(i) != 0
         print(repr(found.GetArray(name).GetTuple1(i)) if is_inside else "outside")
-    integrate = vtk.vtkIntegrateAttributes()
+    integrate = vtkIntegrateAttributes()
     integrate.SetInputData(mesh)
     integrate.Update()
     sums = integrate.GetOutput()

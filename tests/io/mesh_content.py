@@ -67,8 +67,8 @@ def take_patches(grid):
 
 
 def read_legacy(path):
-    import vtk
-    reader = vtk.vtkUnstructuredGridReader()
+    from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
+    reader = vtkUnstructuredGridReader()
     reader.SetFileName(path)
     reader.ReadAllFieldsOn()
     reader.ReadAllScalarsOn()
@@ -79,11 +79,13 @@ def read_legacy(path):
 
 
 def read_exodus(path):
-    import vtk
-    reader = vtk.vtkExodusIIReader()
+    from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+    from vtkmodules.vtkIOExodus import vtkExodusIIReader
+    reader = vtkExodusIIReader()
     reader.SetFileName(path)
     reader.UpdateInformation()
-    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
     reader.SetSqueezePoints(False)
     reader.SetAllArrayStatus(reader.NODAL, 1)
     reader.SetAllArrayStatus(reader.ELEM_BLOCK, 1)
@@ -94,7 +96,7 @@ def read_exodus(path):
     content = {"points": [], "values": {}, "cells": [], "title": reader.GetTitle(), "ids": [],
                "errors": {}}
     for i in range(blocks.GetNumberOfBlocks()):
-        name = blocks.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
+        name = blocks.GetMetaData(i).Get(vtkCompositeDataSet.NAME())
         block = content_of_grid(blocks.GetBlock(i), name)
         content["points"] = block["points"]
         content["values"] = block["values"]
@@ -106,7 +108,7 @@ def read_exodus(path):
     content["time"] = times[0]
     sets = reader.GetOutput().GetBlock(4)
     for i in range(sets.GetNumberOfBlocks()):
-        name = sets.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
+        name = sets.GetMetaData(i).Get(vtkCompositeDataSet.NAME())
         content["patches"][name] = vtk_cells(sets.GetBlock(i))
     return content
 
@@ -243,8 +245,8 @@ def read_gmsh(path):
 
 
 def read_vtu(path):
-    import vtk
-    reader = vtk.vtkXMLUnstructuredGridReader()
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+    reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
     return content_of_grid(reader.GetOutput(), None)

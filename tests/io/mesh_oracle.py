@@ -8,12 +8,14 @@ import json
 import os
 import sys
 
-import vtk
+from vtkmodules.vtkCommonCore import vtkMath
+from vtkmodules.vtkCommonDataModel import vtkTetra, vtkTriangle
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 
 def read(path):
     is_mesh = os.path.splitext(path)[1] == ".vtu"
-    reader = vtk.vtkXMLUnstructuredGridReader() if is_mesh else vtk.vtkXMLPolyDataReader()
+    reader = vtkXMLUnstructuredGridReader() if is_mesh else vtkXMLPolyDataReader()
     reader.SetFileName(path)
     reader.Update()
     return reader.GetOutput()
@@ -38,11 +40,11 @@ def measure(mesh):
         cell = mesh.GetCell(i)
         points = [cell.GetPoints().GetPoint(k) for k in range(cell.GetNumberOfPoints())]
         if len(points) == 4:
-            sizes.append(vtk.vtkTetra.ComputeVolume(*points))
+            sizes.append(vtkTetra.ComputeVolume(*points))
         elif len(points) == 3:
-            sizes.append(vtk.vtkTriangle.TriangleArea(*points))
+            sizes.append(vtkTriangle.TriangleArea(*points))
         else:
-            sizes.append(vtk.vtkMath.Distance2BetweenPoints(*points) ** 0.5)
+            sizes.append(vtkMath.Distance2BetweenPoints(*points) ** 0.5)
     return sizes
 
 

@@ -952,12 +952,12 @@ def check_values(file):
 def load_mesh(path):
     """VTK's mesh, and its way from arrays to numpy's."""
     try:
-        import vtk
-        from vtk.util.numpy_support import vtk_to_numpy
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
     except ImportError:
         print("expected VTK (package python3-vtk9), found none")
         sys.exit(2)
-    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
     mesh = reader.GetOutput()

@@ -9,16 +9,22 @@ import math
 import os
 import sys
 
-import vtk
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkIOGeometry import (vtkGLTFReader, vtkOBJReader, vtkOBJWriter, vtkSTLReader,
+                                      vtkSTLWriter)
+from vtkmodules.vtkIOPLY import vtkPLYReader, vtkPLYWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
 
 
 def read(path):
     readers = {
-        ".ply": vtk.vtkPLYReader,
-        ".stl": vtk.vtkSTLReader,
-        ".obj": vtk.vtkOBJReader,
-        ".vtp": vtk.vtkXMLPolyDataReader,
-        ".glb": vtk.vtkGLTFReader,
+        ".ply": vtkPLYReader,
+        ".stl": vtkSTLReader,
+        ".obj": vtkOBJReader,
+        ".vtp": vtkXMLPolyDataReader,
+        ".glb": vtkGLTFReader,
     }
     reader = readers[os.path.splitext(path)[1]]()
     reader.SetFileName(path)
@@ -26,8 +32,8 @@ def read(path):
     output = reader.GetOutputDataObject(0)
     if not output.IsA("vtkMultiBlockDataSet"):
         return output
-    append = vtk.vtkAppendPolyData()
-    append.AddInputData(vtk.vtkPolyData())
+    append = vtkAppendPolyData()
+    append.AddInputData(vtkPolyData())
     iterator = output.NewIterator()
     while not iterator.IsDoneWithTraversal():
         append.AddInputData(iterator.GetCurrentDataObject())
@@ -55,23 +61,23 @@ def write(writer, path, surface):
 
 
 def write_all(directory):
-    sphere = vtk.vtkSphereSource()
+    sphere = vtkSphereSource()
     sphere.SetThetaResolution(40)
     sphere.SetPhiResolution(30)
     sphere.SetCenter(1.5, 2.25, -3)
     sphere.Update()
     surface = sphere.GetOutput()
-    for name, make in (("ply", vtk.vtkPLYWriter), ("stl", vtk.vtkSTLWriter)):
+    for name, make in (("ply", vtkPLYWriter), ("stl", vtkSTLWriter)):
         for form in ("ASCII", "Binary"):
             writer = make()
             getattr(writer, "SetFileTypeTo" + form)()
             write(writer, f"{directory}{form}.{name}", surface)
-    write(vtk.vtkOBJWriter(), f"{directory}x.obj", surface)
+    write(vtkOBJWriter(), f"{directory}x.obj", surface)
     for mode in ("Ascii", "Binary", "Appended"):
         for compressor in ("None", "ZLib"):
             for encode in (0, 1):
                 for header in (32, 64):
-                    writer = vtk.vtkXMLPolyDataWriter()
+                    writer = vtkXMLPolyDataWriter()
                     getattr(writer, f"SetDataModeTo{mode}")()
                     getattr(writer, f"SetCompressorTypeTo{compressor}")()
                     writer.SetBlockSize(4096)

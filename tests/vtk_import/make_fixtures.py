@@ -1,8 +1,9 @@
 """Makes the small files that tests of lode-vtk-import read, one of each format.
 
-make_fixtures.py FOLDER  writes blocks.e (by VTK), ensight.case, foam/, plot3d.xyz with .q, and
-                         blocks.cgns (out of blocks.cgns.gz, see make_cgns.c), and by VTK lz4.vtu,
-                         lzma.vts, parts.pvtu, parts.pvts and blocks.vtm
+make_fixtures.py FOLDER NAME...  writes those of blocks.e (by VTK), ensight.case, foam, plot3d.xyz
+                                 (with .q) and blocks.cgns (out of blocks.cgns.gz, see make_cgns.c),
+                                 and for any other name, by VTK, lz4.vtu, lzma.vts, parts.pvtu,
+                                 parts.pvts and blocks.vtm
 
 All fill [0, 4] x [0, 2] x [0, 2] with 4 x 2 x 2 hexahedra, in two blocks that meet at x = 2 (foam,
 lz4.vtu, lzma.vts: one), with f = x + 2 y + 4 z + 100 step at points (foam: p = f at cells' centres).
@@ -182,8 +183,11 @@ def write_plot3d(folder):
 
 def write_exodus(folder):
     """Two blocks of ids 10 and 20 that share points, two steps; VTK writes it."""
-    import vtk
     from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+    from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkIntArray, vtkPoints
+    from vtkmodules.vtkCommonDataModel import VTK_HEXAHEDRON, vtkDataObject, vtkUnstructuredGrid
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+    from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 
     class Steps(VTKPythonAlgorithmBase):
         def __init__(self):
@@ -191,20 +195,20 @@ def write_exodus(folder):
 
         def RequestInformation(self, request, inputs, outputs):
             about = outputs.GetInformationObject(0)
-            key = vtk.vtkStreamingDemandDrivenPipeline
+            key = vtkStreamingDemandDrivenPipeline
             about.Set(key.TIME_STEPS(), [0.0, 0.5], 2)
             about.Set(key.TIME_RANGE(), [0.0, 0.5], 2)
             return 1
 
         def RequestData(self, request, inputs, outputs):
             about = outputs.GetInformationObject(0)
-            key = vtk.vtkStreamingDemandDrivenPipeline.UPDATE_TIME_STEP()
+            key = vtkStreamingDemandDrivenPipeline.UPDATE_TIME_STEP()
             time = about.Get(key) if about.Has(key) else 0.0
-            grid = vtk.vtkUnstructuredGrid.GetData(outputs, 0)
+            grid = vtkUnstructuredGrid.GetData(outputs, 0)
             block = (0, 5, 3, 3)
-            points = vtk.vtkPoints()
+            points = vtkPoints()
             points.SetDataTypeToDouble()
-            field = vtk.vtkDoubleArray()
+            field = vtkDoubleArray()
             field.SetName("f")
             for p in points_of(block):
                 points.InsertNextPoint(p)
@@ -212,17 +216,17 @@ def write_exodus(folder):
             grid.Allocate(16)
             grid.SetPoints(points)
             grid.GetPointData().AddArray(field)
-            ids = vtk.vtkIntArray()
+            ids = vtkIntArray()
             ids.SetName("ElementBlockIds")
             for cell in hexahedra_of(block):
-                grid.InsertNextCell(vtk.VTK_HEXAHEDRON, 8, cell)
+                grid.InsertNextCell(VTK_HEXAHEDRON, 8, cell)
                 ids.InsertNextValue(10 if points.GetPoint(cell[0])[0] < 2 else 20)
             grid.GetCellData().AddArray(ids)
-            grid.GetInformation().Set(vtk.vtkDataObject.DATA_TIME_STEP(), time)
+            grid.GetInformation().Set(vtkDataObject.DATA_TIME_STEP(), time)
             return 1
 
     source = Steps()
-    writer = vtk.vtkExodusIIWriter()
+    writer = vtkExodusIIWriter()
     writer.SetInputConnection(source.GetOutputPort())
     writer.SetFileName(os.path.join(folder, "blocks.e"))
     writer.SetBlockIdArrayName("ElementBlockIds")
@@ -235,65 +239,70 @@ def write_exodus(folder):
 
 def xml_grid(block, grid):
     """An unstructured or curvilinear grid, with f and MaterialId."""
-    import vtk
-    points = vtk.vtkPoints()
-    field = vtk.vtkDoubleArray()
+    from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkIntArray, vtkPoints
+    from vtkmodules.vtkCommonDataModel import VTK_HEXAHEDRON
+    points = vtkPoints()
+    field = vtkDoubleArray()
     field.SetName("f")
     for p in points_of(block):
         points.InsertNextPoint(p)
         field.InsertNextValue(value(p))
     grid.SetPoints(points)
     grid.GetPointData().AddArray(field)
-    material = vtk.vtkIntArray()
+    material = vtkIntArray()
     material.SetName("MaterialId")
     for cell in hexahedra_of(block):
         if grid.IsA("vtkUnstructuredGrid"):
-            grid.InsertNextCell(vtk.VTK_HEXAHEDRON, 8, cell)
+            grid.InsertNextCell(VTK_HEXAHEDRON, 8, cell)
         material.InsertNextValue(10 if points.GetPoint(cell[0])[0] < 2 else 20)
     grid.GetCellData().AddArray(material)
     return grid
 
 
 def curvilinear(first, n_x):
-    import vtk
-    grid = vtk.vtkStructuredGrid()
+    from vtkmodules.vtkCommonDataModel import vtkStructuredGrid
+    grid = vtkStructuredGrid()
     grid.SetExtent(first, first + n_x - 1, 0, 2, 0, 2)
     return xml_grid((first, n_x, 3, 3), grid)
 
 
 def write_xml(folder):
-    import vtk
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import (VTK_QUAD, vtkCompositeDataSet, vtkMultiBlockDataSet,
+                                               vtkPolyData, vtkUnstructuredGrid)
+    from vtkmodules.vtkIOXML import (vtkXMLMultiBlockDataWriter, vtkXMLStructuredGridWriter,
+                                     vtkXMLUnstructuredGridWriter)
 
     def put(writer, name, data):
         writer.SetFileName(os.path.join(folder, name))
         writer.SetInputData(data)
         writer.Write()
 
-    packed = vtk.vtkXMLUnstructuredGridWriter()
+    packed = vtkXMLUnstructuredGridWriter()
     packed.SetCompressorTypeToLZ4()
-    put(packed, "lz4.vtu", xml_grid((0, 5, 3, 3), vtk.vtkUnstructuredGrid()))
-    packed = vtk.vtkXMLStructuredGridWriter()
+    put(packed, "lz4.vtu", xml_grid((0, 5, 3, 3), vtkUnstructuredGrid()))
+    packed = vtkXMLStructuredGridWriter()
     packed.SetCompressorTypeToLZMA()
     put(packed, "lzma.vts", curvilinear(0, 5))
-    blocks = vtk.vtkMultiBlockDataSet()
+    blocks = vtkMultiBlockDataSet()
     for i, block in enumerate(SIDES):
-        part = xml_grid(block, vtk.vtkUnstructuredGrid())
-        put(vtk.vtkXMLUnstructuredGridWriter(), f"part{i}.vtu", part)
-        put(vtk.vtkXMLStructuredGridWriter(), f"part{i}.vts", curvilinear(block[0], 3))
-        part = xml_grid(block, vtk.vtkUnstructuredGrid())
+        part = xml_grid(block, vtkUnstructuredGrid())
+        put(vtkXMLUnstructuredGridWriter(), f"part{i}.vtu", part)
+        put(vtkXMLStructuredGridWriter(), f"part{i}.vts", curvilinear(block[0], 3))
+        part = xml_grid(block, vtkUnstructuredGrid())
         part.GetCellData().RemoveArray("MaterialId")
         blocks.SetBlock(i, part)
-        blocks.GetMetaData(i).Set(vtk.vtkCompositeDataSet.NAME(), ("left", "right")[i])
-    wall = vtk.vtkPolyData()
-    points = vtk.vtkPoints()
+        blocks.GetMetaData(i).Set(vtkCompositeDataSet.NAME(), ("left", "right")[i])
+    wall = vtkPolyData()
+    points = vtkPoints()
     for p in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)):
         points.InsertNextPoint(p)
     wall.SetPoints(points)
     wall.Allocate(1)
-    wall.InsertNextCell(vtk.VTK_QUAD, 4, (0, 1, 2, 3))
+    wall.InsertNextCell(VTK_QUAD, 4, (0, 1, 2, 3))
     blocks.SetBlock(2, wall)
-    blocks.GetMetaData(2).Set(vtk.vtkCompositeDataSet.NAME(), "wall")
-    put(vtk.vtkXMLMultiBlockDataWriter(), "blocks.vtm", blocks)
+    blocks.GetMetaData(2).Set(vtkCompositeDataSet.NAME(), "wall")
+    put(vtkXMLMultiBlockDataWriter(), "blocks.vtm", blocks)
     arrays = """<PPoints><PDataArray type="Float32" NumberOfComponents="3"/></PPoints>
 <PPointData><PDataArray type="Float64" Name="f"/></PPointData>
 <PCellData><PDataArray type="Int32" Name="MaterialId"/></PCellData>
@@ -311,17 +320,15 @@ def write_xml(folder):
 """)
 
 
-def main():
-    folder = sys.argv[1]
-    write_ensight(folder)
-    write_foam(folder)
-    write_plot3d(folder)
-    write_exodus(folder)
-    write_xml(folder)
+def write_cgns(folder):
     with gzip.open(os.path.join(HERE, "blocks.cgns.gz")) as packed:
         with open(os.path.join(folder, "blocks.cgns"), "wb") as file:
             file.write(packed.read())
 
 
+WRITERS = {"blocks.e": write_exodus, "ensight.case": write_ensight, "foam": write_foam,
+           "plot3d.xyz": write_plot3d, "blocks.cgns": write_cgns}
+
 if __name__ == "__main__":
-    main()
+    for writer in {WRITERS.get(name, write_xml) for name in sys.argv[2:]}:
+        writer(sys.argv[1])
