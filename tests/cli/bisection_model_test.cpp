@@ -53,7 +53,7 @@ TEST_F(cli_bisection_model, answers_all_questions) {
         {"profile", model_, "--from", "500100,4000100", "--to", "501000,4000700"},
         {"contours", model_, scratch_ / "out.vtp", "--interval", "50"},
         {"sight", model_, "--from", "500100,4000100", "--to", "501000,4000700"},
-        {"render", model_, scratch_ / "out.png"}}) {
+        {"render", model_, scratch_ / "out.png", "--size", "64x48"}}) {
     SCOPED_TRACE(question[0]);
     const Finished answer = run_lode(question);
     EXPECT_EQ(answer.exit_code, 0) << answer.err;

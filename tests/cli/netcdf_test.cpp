@@ -105,7 +105,7 @@ TEST_F(netcdf, is_taken_by_every_command_on_rasters) {
       {"profile", in, "--from", "9,41", "--to", "20,50"},
       {"sight", in, "--from", "9,41", "--to", "20,50"},
       {"features", in, scratch_ / "peaks.geojson"},
-      {"render", in, scratch_ / "a.png"},
+      {"render", in, scratch_ / "a.png", "--size", "64x48"},
       {"tiles", in, scratch_ / "tiles", "--max-error", "50"},
       {"compare", in, scratch_ / "report.html", "--tolerances", "50", "--runs", "1"},
       {"verify", in, "--surface", scratch_ / "mesh.ply", "--max-error", "20"}};

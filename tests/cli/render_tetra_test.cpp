@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/cli/tetra_fixture.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -153,7 +154,7 @@ TEST_F(cli_render_waves, are_fine_where_their_own_camera_or_another_looks) {
     words.insert(words.end(), options.begin(), options.end());
     return report(words);
   };
-  for (const char* const tolerance : {"0", "0.5"}) {
+  for (const std::string& tolerance : oracles::trials(Words{"0", "0.5"}, Words{"0.5"})) {
     const nlohmann::json whole = look(tolerance, {"--camera", near, "--view", far});
     const std::string picture = read_bytes(output_);
     const nlohmann::json part = look(tolerance, {"--camera", near});

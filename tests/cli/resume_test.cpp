@@ -1,9 +1,10 @@
 #include "tests/cli/kill_storm.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
 
-TEST(cli_resume, goes_on_after_kills) { KillStorm().run(10, 1); }
+TEST(cli_resume, goes_on_after_kills) { KillStorm().run(oracles::trials(10, 4), 1); }
 
 /// Starts builds of six parts until one is interrupted while its part file has blocks.
 class cli_part : public ::testing::Test {

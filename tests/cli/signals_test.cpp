@@ -59,7 +59,7 @@ TEST(cli_signals, leave_no_partial_build) {
 
 TEST(cli_signals, leave_no_partial_contours) {
   const Scratch scratch;
-  const int n = oracles::trials(100, 40);
+  const int n = oracles::trials(100, 28);
   write_dem(scratch / "dem.asc", 4 * n, 3 * n);
   const std::vector<std::string> contours{
       "contours", scratch / "dem.asc", scratch / "lines.gpkg", "--interval", "1", "--max-error",

@@ -3,6 +3,7 @@
 #include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -73,7 +74,9 @@ TEST_P(cli_terrain_model, is_found_out_where_the_raster_is_another) {
 }
 
 TEST_P(cli_terrain_model, gives_true_surfaces) {
-  for (const char* tolerance : {"50", "10", "2", "7"}) {
+  // The levels, and between two of them.
+  for (const std::string& tolerance :
+       oracles::trials(Words{"50", "10", "2", "7"}, Words{"2", "7"})) {
     const std::string surface = scratch_ / "of.ply";
     const auto made =
         run_lode({"extract", model_, surface, "--max-error", tolerance, "--json"}).json();

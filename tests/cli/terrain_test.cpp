@@ -125,7 +125,8 @@ TEST(cli_terrain, is_in_metres_in_gltf) {
   EXPECT_NE(unknown.err.find("heights are taken to be in the unit of x and y"), std::string::npos)
       << unknown.err;
   // Pictures and lines of sight take them for the same.
-  const Finished drawn = run_lode({"render", scratch / "dem.asc", scratch / "dem.png"});
+  const Finished drawn =
+      run_lode({"render", scratch / "dem.asc", scratch / "dem.png", "--size", "64x48"});
   EXPECT_NE(drawn.err.find("heights are taken to be in the unit of x and y"), std::string::npos)
       << drawn.err;
 }

@@ -14,13 +14,16 @@
 #include "tests/cli/program.h"
 #include "tests/oracles/tetra_grids.h"
 #include "tests/oracles/tetra_surfaces.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 
 /// Noise in a file, for midpoints to be made of.
 class cli_tetra_placement : public testing::Test {
  protected:
-  static constexpr int kPoints = 13;
+  static inline const int kPoints = oracles::trials(13, 9);
+  /// Of cells, for which the base is too little and all are too many.
+  static inline const int kBudget = oracles::trials(4000, 1200);
   /// A mesh's cells by what lies at their corners, sorted.
   using CellKey = std::array<std::tuple<double, double, double, double>, 4>;
 

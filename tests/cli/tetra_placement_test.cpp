@@ -173,8 +173,9 @@ TEST_F(cli_tetra_placement, takes_foci_budgets_thresholds_and_deadlines) {
       done(midpoint({input_, output_, "--mesh", "--max-error", "0", "--box", "0,0.3,0,0.3,0,0.3"}));
   EXPECT_EQ(box.at("achieved_error"), 0);
   EXPECT_LT(box.at("cells"), all.at("cells"));
-  const nlohmann::json budget = done(midpoint({input_, output_, "--mesh", "--max-cells", "4000"}));
-  EXPECT_LE(budget.at("cells"), 4000);
+  const nlohmann::json budget =
+      done(midpoint({input_, output_, "--mesh", "--max-cells", std::to_string(kBudget)}));
+  EXPECT_LE(budget.at("cells"), kBudget);
   EXPECT_TRUE(budget.at("budget_met"));
   const nlohmann::json part =
       done(midpoint({input_, output_, "--mesh", "--max-error", "0", "--threshold", "-0.1:0.1"}));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/cli/program.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -156,9 +157,10 @@ TEST(cli_verify, repeats_a_distance_in_the_windows_of_its_memory_limit) {
   const std::string volume = scratch / "long.nrrd";
   const std::string lode = scratch / "long.lode";
   const std::string ply = scratch / "s.ply";
-  write_nrrd(volume, {{1100, 17, 14}}, [](int x, int y, int z) {
-    return 100 + static_cast<int>(40 * std::sin(0.03 * x) + 10 * std::sin(0.4 * y + 0.1 * z));
-  });
+  write_nrrd(
+      volume, oracles::trials<Index3>({{1100, 17, 14}}, {{600, 17, 14}}), [](int x, int y, int z) {
+        return 100 + static_cast<int>(40 * std::sin(0.03 * x) + 10 * std::sin(0.4 * y + 0.1 * z));
+      });
   ASSERT_EQ(run_lode({"build", volume, lode}).exit_code, 0);
   const Words query{"--isovalue", "100.5", "--max-distance", "2"};
   const auto run = [&](Words words, const Words& more) {

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "lode/api/files.h"
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -98,26 +101,31 @@ TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
   mesh.attributes = {waves};
   Progress progress;
   ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
-  for (const char* const n_base : {"100", "4000"}) {
-    ASSERT_EQ(run_lode({"build", mesh_, lode_, "--field", "noise", "--with", "waves",
-                        "--base-cells", n_base, "--space-errors"})
-                  .exit_code,
-              0);
-    EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
-        << read_in_python(lode_, mesh_);
-    ASSERT_EQ(
-        run_lode({"build", mesh_, lode_, "--field", "noise", "--base-cells", n_base}).exit_code, 0);
-    EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
-        << read_in_python(lode_, mesh_);
-    for (const Words& fields : {Words{"--field", "noise"},
-                                Words{"--field", "noise", "--with", "waves", "--space-errors"}}) {
-      Words build{"build", mesh_, lode_, "--base-cells", n_base, "--placement", "midpoint"};
-      build.insert(build.end(), fields.begin(), fields.end());
-      ASSERT_EQ(run_lode(build).exit_code, 0);
-      const std::string midpoints =
-          run_oracle(LODE_MIDPOINT_READER, "'" + lode_ + "' '" + mesh_ + "'");
-      EXPECT_TRUE(midpoints.starts_with("vertices 1728 cells 7986 nodes ")) << midpoints;
-    }
+  const Words plain{"--field", "noise"};
+  const Words full{"--field", "noise", "--with", "waves", "--space-errors"};
+  const std::string half_edge = "half-edge";
+  const std::string midpoint = "midpoint";
+  using Builds = std::vector<std::tuple<std::string, std::string, Words>>;
+  for (const auto& [n_base, placement, fields] :
+       oracles::trials(Builds{{"100", half_edge, full},
+                              {"100", half_edge, plain},
+                              {"100", midpoint, plain},
+                              {"100", midpoint, full},
+                              {"4000", half_edge, full},
+                              {"4000", half_edge, plain},
+                              {"4000", midpoint, plain},
+                              {"4000", midpoint, full}},
+                       Builds{{"100", half_edge, full},
+                              {"100", midpoint, plain},
+                              {"4000", half_edge, plain},
+                              {"4000", midpoint, full}})) {
+    Words build{"build", mesh_, lode_, "--base-cells", n_base, "--placement", placement};
+    build.insert(build.end(), fields.begin(), fields.end());
+    ASSERT_EQ(run_lode(build).exit_code, 0);
+    const std::string read =
+        placement == midpoint ? run_oracle(LODE_MIDPOINT_READER, "'" + lode_ + "' '" + mesh_ + "'")
+                              : read_in_python(lode_, mesh_);
+    EXPECT_TRUE(read.starts_with("vertices 1728 cells 7986 nodes ")) << read;
   }
 }
 

@@ -58,7 +58,7 @@ TEST_F(cli_vertical_crs, of_depths_is_refused_where_what_is_above_counts) {
     return words;
   };
   const Words sight{"sight", tile_, "--from", "10.1,45.1", "--to", "10.9,45.9"};
-  const Words render{"render", tile_, scratch_ / "dem.png"};
+  const Words render{"render", tile_, scratch_ / "dem.png", "--size", "64x48"};
   const Words depths{"--vertical-crs", "EPSG:5715"};
   const Words heights{"--vertical-crs", "EPSG:5715", "--to-vertical-crs", "EPSG:5714"};
   for (const Words& command : {sight, render}) {

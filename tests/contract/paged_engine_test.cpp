@@ -10,6 +10,7 @@
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
 #include "tests/contract/models.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -151,7 +152,7 @@ TYPED_TEST_SUITE(paged_engine, AllModels);
 
 TYPED_TEST(paged_engine, finds_the_same_answer_whatever_comes_when) {
   std::mt19937 random(11);
-  for (int trial = 0; trial < 400; ++trial) {
+  for (int trial = 0; trial < oracles::trials(400, 100); ++trial) {
     SCOPED_TRACE(trial);
     typename TestFixture::Run run(this->fixture_, 4 + random() % 80);
     const Demand demand = some_isovalue(random);
@@ -165,7 +166,7 @@ TYPED_TEST(paged_engine, finds_the_same_answer_whatever_comes_when) {
 
 TYPED_TEST(paged_engine, answers_new_queries_while_it_waits) {
   std::mt19937 random(12);
-  for (int start = 0; start < 8; ++start) {
+  for (int start = 0; start < oracles::trials(8, 3); ++start) {
     typename TestFixture::Run run(this->fixture_, 20 + random() % 400);
     for (int trial = 0; trial < 30; ++trial) {
       SCOPED_TRACE(trial);

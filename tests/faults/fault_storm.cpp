@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kNever = -1;
 /// In the fast tests, of each kind and either mode.
-constexpr std::size_t kMostSamples = 8;
+constexpr std::size_t kMostSamples = 5;
 constexpr std::size_t kEnds = 2;
 
 bool is_exhaustive() {

@@ -12,6 +12,7 @@
 #include "tests/io/height_files.h"
 #include "tests/io/height_reading.h"
 #include "tests/io/volume_test_files.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::io {
 namespace {
@@ -133,7 +134,8 @@ TEST_F(imported_raster, does_no_harm_where_it_is_damaged) {
     const std::string path = (*this)(kind.name);
     write_raster(path, half_degree(kind.type), kind.driver);
     const std::string whole = content_of(path);
-    for (std::size_t i = 0; i < 8; ++i) {
+    for (const std::size_t i :
+         oracles::trials<std::vector<std::size_t>>({0, 1, 2, 3, 4, 5, 6, 7}, {2, 5})) {
       std::string damaged = whole;
       if (i < 4) damaged.resize(whole.size() * i / 4 + 1);
       for (std::size_t k = 0; i >= 4 && k < 20; ++k)

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tests/io/netcdf_reading.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::io {
 namespace {
@@ -23,7 +24,8 @@ double height_at(double x, double y) { return std::round(40 * x + 400 * (y - 40)
 TEST_F(netcdf_place, has_each_height_in_its_place_whichever_way_rows_and_columns_run) {
   constexpr int kColumns = 37;
   constexpr int kRows = 23;
-  for (const int format : kNetcdfFormats)
+  for (const int format : oracles::trials<std::vector<int>>(
+           {kNetcdfFormats.begin(), kNetcdfFormats.end()}, {0, NC_NETCDF4}))
     for (const double x_step : {0.125, -0.125})
       for (const double y_step : {0.25, -0.25}) {
         NetcdfFile file{.format = format, .n_columns = kColumns, .n_rows = kRows};

@@ -27,7 +27,8 @@ inline std::string run_oracle(const std::string& script, const std::string& argu
 
 /// Looks for VTK's core alone: all of it takes ten times as long to load.
 inline bool has_vtk() {
-  return output_of("/usr/bin/python3 -c 'import vtkmodules.vtkCommonCore; print(1)' 2>/dev/null") == "1\n";
+  return output_of("/usr/bin/python3 -c 'import vtkmodules.vtkCommonCore; print(1)' 2>/dev/null") ==
+         "1\n";
 }
 
 }  // namespace lode::test

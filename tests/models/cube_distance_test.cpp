@@ -85,7 +85,7 @@ TEST(cube_distance, tells_of_single_cells_how_far_cubes_are) {
   oracles::Random random(5);
   int n_cells = 0;
   int n_close = 0;
-  for (int i = 0; i < oracles::trials(20'000, 1500); ++i) {
+  for (int i = 0; i < oracles::trials(20'000, 500); ++i) {
     // Some where the margin moves vertices from corners with about the isovalue.
     const bool is_far = i % 3 == 0;
     grid.origin = is_far ? Vec3d{{2100, 2100, 2100}} : Vec3d{};

@@ -3,6 +3,7 @@
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/query_cut.h"
 #include "tests/models/mesh_fixtures.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -203,7 +204,7 @@ TEST(cut_mesh, has_no_more_cells_than_its_budget_also_where_the_border_cuts_them
 
 TEST(cut_mesh, leaves_out_what_holes_remove) {
   for (const Index3& dims : kDims)
-    for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    for (std::uint32_t seed = 0; seed < oracles::trials(6U, 2U); ++seed) {
       const Volume volume = holed_volume(plain_grid(dims), seed);
       const Dataset dataset = dataset_of(volume);
       const auto n_present =

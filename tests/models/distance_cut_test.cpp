@@ -13,6 +13,7 @@
 #include "lode/models/diamond/leaf_facets.h"
 #include "tests/mappers/distance_oracle.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/oracles/typed_samples.h"
 
 namespace lode {
@@ -163,7 +164,7 @@ Surface together(const Surface& a, const Surface& b) {
 /// Level sets do not meet, and neither do coarse ones in one cut, which each on its own would.
 TEST(distance_cut, surfaces_of_several_isovalues_do_not_meet) {
   std::uint64_t n_apart = 0;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= oracles::trials(3U, 1U); ++seed) {
     oracles::Random random(seed);
     const Volume volume = volume_of<float>(turned_grid({{21, 18, 15}}), [&](const Index3& p) {
       return wave(p) + 0.3 * random.uniform(-1, 1);
@@ -237,10 +238,11 @@ TEST(distance_cut, a_tolerance_in_field_units_alone_breaks_the_distance) {
 }
 
 TEST(distance_cut, gives_the_same_for_any_number_of_threads) {
-  const Dataset dataset = dataset_of(noise<std::uint8_t>(grid_with({{21, 19, 22}}), 9, 256));
+  const Dataset dataset = dataset_of(noise<std::uint8_t>(
+      grid_with(oracles::trials<Index3>({{21, 19, 22}}, {{17, 13, 18}})), 9, 256));
   const ExtractOptions options{.isovalues = {100.5}, .max_distance = 1.2};
   const Extracted one = extracted(dataset, options, 1);
-  for (const int threads : {2, 5}) {
+  for (const int threads : oracles::trials<std::vector<int>>({2, 5}, {5})) {
     const Extracted other = extracted(dataset, options, threads);
     EXPECT_EQ(other.surface.positions, one.surface.positions);
     EXPECT_EQ(other.surface.triangles, one.surface.triangles);

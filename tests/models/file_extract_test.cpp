@@ -7,6 +7,7 @@
 
 #include "lode/mappers/surface_edits.h"
 #include "tests/models/stored_fixtures.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::diamond {
 namespace {
@@ -103,14 +104,18 @@ TEST_P(file_extract, gives_the_surface_of_the_model_in_memory) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(cases, file_extract,
-                         ::testing::Values(ExtractCase{{{40, 45, 50}}, ScalarType::uint8, 2.5},
-                                           ExtractCase{{{257, 65, 129}}, ScalarType::uint8, 5},
-                                           ExtractCase{{{300, 280, 40}}, ScalarType::uint8, 1.5},
-                                           ExtractCase{{{290, 50, 270}}, ScalarType::float32, 12},
-                                           ExtractCase{{{60, 530, 40}}, ScalarType::int16, 0.25},
-                                           ExtractCase{{{7, 9, 260}}, ScalarType::float64, 1},
-                                           ExtractCase{{{2100, 500, 1}}, ScalarType::uint8, 3}));
+INSTANTIATE_TEST_SUITE_P(
+    cases, file_extract,
+    ::testing::Values(ExtractCase{{{40, 45, 50}}, ScalarType::uint8, 2.5},
+                      ExtractCase{oracles::trials<Index3>({{257, 65, 129}}, {{257, 33, 129}}),
+                                  ScalarType::uint8, 5},
+                      ExtractCase{oracles::trials<Index3>({{300, 280, 40}}, {{300, 280, 14}}),
+                                  ScalarType::uint8, 1.5},
+                      ExtractCase{oracles::trials<Index3>({{290, 50, 270}}, {{290, 20, 270}}),
+                                  ScalarType::float32, 12},
+                      ExtractCase{{{60, 530, 40}}, ScalarType::int16, 0.25},
+                      ExtractCase{{{7, 9, 260}}, ScalarType::float64, 1},
+                      ExtractCase{{{2100, 500, 1}}, ScalarType::uint8, 3}));
 
 /// A plane through the middle, nearly: most bricks have no fine node, and where the data ends
 /// samples beyond it are those of finer levels.
@@ -129,7 +134,7 @@ TEST(file_extract_ramps, have_the_samples_beyond_the_data_that_the_model_has) {
   expect_same_surface<3>(ramp({{560, 40, 32}}, {{-0.16, -0.3, 0.2}}), 1.275, 0, 124.5);
   expect_same_surface<3>(ramp({{200, 40, 30}}, {{0.45, 0.8, 0.1}}), 0.6, 0, 124.5);
   oracles::Random random(31);
-  for (int trial = 0; trial < 30; ++trial) {
+  for (int trial = 0; trial < oracles::trials(30, 8); ++trial) {
     const Vec3d slope{{random.uniform(-0.6, 0.6), random.uniform(-1, 1), random.uniform(-1, 1)}};
     expect_same_surface<3>(ramp({{200, 40, 30}}, slope), 0.6, 0, 124.5);
     expect_same_surface<2>(ramp({{300, 270, 1}}, slope), 0.6, 0, 124.5);
@@ -252,13 +257,17 @@ TEST(file_extract_twins, are_where_holes_would_pinch_the_surface) {
 INSTANTIATE_TEST_SUITE_P(
     cases, file_extract_holes,
     ::testing::Values(
-        HolesCase{"random", {{290, 70, 60}}, ScalarType::float32, 4, is_rare},
+        HolesCase{"random", oracles::trials<Index3>({{290, 70, 60}}, {{290, 40, 34}}),
+                  ScalarType::float32, 4, is_rare},
         HolesCase{"random_uint8", {{60, 270, 65}}, ScalarType::uint8, 2, is_rare},
         HolesCase{"random_full", {{40, 45, 50}}, ScalarType::float32, 0.01, is_rare},
         HolesCase{"fine_grid", {{300, 129, 70}}, ScalarType::uint8, 30, is_fine_grid},
-        HolesCase{"fine_grid_coarse", {{300, 280, 129}}, ScalarType::float32, 60, is_fine_grid},
-        HolesCase{"frequent", {{280, 60, 50}}, ScalarType::float32, 3, is_frequent},
-        HolesCase{"outside", {{290, 270, 50}}, ScalarType::int16, 8, is_outside},
+        HolesCase{"fine_grid_coarse", oracles::trials<Index3>({{300, 280, 129}}, {{300, 280, 40}}),
+                  ScalarType::float32, 60, is_fine_grid},
+        HolesCase{"frequent", oracles::trials<Index3>({{280, 60, 50}}, {{280, 30, 20}}),
+                  ScalarType::float32, 3, is_frequent},
+        HolesCase{"outside", oracles::trials<Index3>({{290, 270, 50}}, {{290, 270, 20}}),
+                  ScalarType::int16, 8, is_outside},
         HolesCase{"slab_at_a_chunk", {{60, 70, 300}}, ScalarType::uint8, 3, is_in_slab},
         HolesCase{"flat", {{2100, 400, 1}}, ScalarType::float32, 3, is_rare}),
     [](const auto& test) { return test.param.name; });

@@ -14,6 +14,7 @@
 #include "tests/models/finest_level_set.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/oracles/typed_samples.h"
 
 namespace lode {
@@ -192,7 +193,7 @@ TEST(hard_cases, clip_planes_through_vertices) {
 TEST(hard_cases, clip_planes_beside_vertices) {
   // Few different values, many equal to the isovalue: vertices at halves, thirds and whole numbers,
   // and the clip planes there too, give or take the rounding of either.
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < oracles::trials(60U, 15U); ++seed) {
     oracles::Random random(seed);
     const auto volume = volume_of<std::uint8_t>(grid_with({{15, 17, 14}}), [&](const Index3& p) {
       return p[0] + p[2] + static_cast<double>(random.below(4));

@@ -116,12 +116,12 @@ class paged_model : public ::testing::Test {
 };
 
 TEST_F(paged_model, gives_the_surface_of_the_model_in_memory) {
-  expect_same(blobs<std::uint8_t>(trials<Index3>({{130, 40, 67}}, {{130, 20, 67}}), 250, 1), 250);
-  expect_same(blobs<std::uint8_t>(trials<Index3>({{66, 129, 35}}, {{66, 129, 15}}), 250, 2), 250);
-  expect_same(blobs<std::uint16_t>(trials<Index3>({{64, 34, 128}}, {{20, 34, 128}}), 6e4, 3), 6e4);
-  expect_same(blobs<std::int16_t>(trials<Index3>({{97, 33, 70}}, {{97, 17, 70}}), 3e4, 4), 3e4);
-  expect_same(blobs<float>(trials<Index3>({{131, 66, 20}}, {{131, 66, 10}}), 1e3, 5), 1e3);
-  expect_same(blobs<double>(trials<Index3>({{67, 68, 40}}, {{67, 68, 18}}), 1e-3, 6), 1e-3);
+  expect_same(blobs<std::uint8_t>(trials<Index3>({{130, 40, 67}}, {{130, 9, 67}}), 250, 1), 250);
+  expect_same(blobs<std::uint8_t>(trials<Index3>({{66, 129, 35}}, {{66, 129, 7}}), 250, 2), 250);
+  expect_same(blobs<std::uint16_t>(trials<Index3>({{64, 34, 128}}, {{9, 34, 128}}), 6e4, 3), 6e4);
+  expect_same(blobs<std::int16_t>(trials<Index3>({{97, 33, 70}}, {{97, 9, 70}}), 3e4, 4), 3e4);
+  expect_same(blobs<float>(trials<Index3>({{131, 66, 20}}, {{131, 66, 6}}), 1e3, 5), 1e3);
+  expect_same(blobs<double>(trials<Index3>({{67, 68, 40}}, {{67, 68, 9}}), 1e-3, 6), 1e-3);
 }
 
 TEST_F(paged_model, gives_the_lines_of_2d_data) {
@@ -130,7 +130,8 @@ TEST_F(paged_model, gives_the_lines_of_2d_data) {
 }
 
 TEST_F(paged_model, keeps_budgets_whatever_page_comes_first) {
-  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 70}}, 250, 2));
+  const Dataset built =
+      build(blobs<std::uint8_t>(trials<Index3>({{130, 140, 70}}, {{130, 80, 40}}), 250, 2));
   const Dataset opened = Dataset::open(save(built), {2}).value();
   for (const std::uint64_t max_cells : {10, 1000, 30000, 200000}) {
     Query query = isosurface(150, 0);
@@ -143,7 +144,8 @@ TEST_F(paged_model, keeps_budgets_whatever_page_comes_first) {
 }
 
 TEST_F(paged_model, gives_the_meshes_of_the_model_in_memory) {
-  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 70}}, 250, 2));
+  const Dataset built =
+      build(blobs<std::uint8_t>(trials<Index3>({{130, 140, 70}}, {{130, 80, 40}}), 250, 2));
   const std::string path = save(built);
   MeshOptions box{.query = isosurface(150, 2)};
   box.query.boxes = {{{{20, 10, 30}}, {{60, 50, 70}}}};
@@ -204,7 +206,8 @@ TEST_F(paged_model, says_that_memory_ended_a_mesh) {
 }
 
 TEST_F(paged_model, serves_several_sessions_at_once) {
-  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 70}}, 250, 2));
+  const Dataset built =
+      build(blobs<std::uint8_t>(trials<Index3>({{130, 140, 70}}, {{130, 80, 40}}), 250, 2));
   const Dataset opened = Dataset::open(save(built), {2}).value();
   std::vector<Session> sessions;
   const std::vector<Query> queries{isosurface(150, 10), isosurface(120, 20), isosurface(180, 5)};
@@ -238,7 +241,8 @@ TEST_F(paged_model, can_be_redirected_and_closed_while_pages_come) {
 
 TEST_F(paged_model, names_the_block_that_cannot_be_read) {
   // No simplex reaches across the border, where even coarse surfaces are refined.
-  const std::string path = save(build(blobs<std::uint8_t>({{129, 129, 65}}, 250, 2)));
+  const std::string path =
+      save(build(blobs<std::uint8_t>(trials<Index3>({{129, 129, 65}}, {{129, 129, 24}}), 250, 2)));
   std::uint64_t offset = 0;
   {
     const auto reader = store::Reader::open(path).value();
@@ -294,7 +298,10 @@ TEST_F(paged_model, names_the_block_that_cannot_be_read) {
 
 TEST_F(paged_model, stops_when_cancelled) {
   const Dataset opened =
-      Dataset::open(save(build(blobs<std::uint8_t>({{129, 129, 65}}, 250, 2))), {2}).value();
+      Dataset::open(save(build(blobs<std::uint8_t>(
+                        trials<Index3>({{129, 129, 65}}, {{129, 129, 24}}), 250, 2))),
+                    {2})
+          .value();
   Progress cancelled;
   cancelled.cancel();
   Surface surface;

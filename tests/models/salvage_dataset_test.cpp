@@ -5,6 +5,7 @@
 #include "lode/api/salvage.h"
 #include "lode/models/diamond/level_set_check.h"
 #include "tests/models/salvage_fixtures.h"
+#include "tests/oracles/trials.h"
 
 namespace lode {
 namespace {
@@ -90,7 +91,7 @@ class salvaged_surface : public ::testing::TestWithParam<SurfaceCase> {
 
 TEST_P(salvaged_surface, is_whole_and_within_the_bound_of_the_original_field) {
   const StoredFile file(path_.str());
-  for (std::size_t i = 0; i < file.n_blocks(); ++i) {
+  for (std::size_t i = 0; i < file.n_blocks(); i += oracles::trials(1U, 4U)) {
     if (!file.is_samples(i)) continue;
     file.write_damaged(path_.str(), {i, (i * 7) % file.n_blocks()});
     const Dataset dataset = salvaged(path_.str());

@@ -1,6 +1,7 @@
 // Planes through volumes, also where they pass through samples and lie in the border.
 #include "lode/mappers/surface_checks.h"
 #include "tests/models/mesh_fixtures.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -150,7 +151,8 @@ std::vector<SectionPlane> oblique_planes(const RegularGrid& grid) {
 }
 
 TEST(section, is_the_planes_part_of_the_domain) {
-  for (const Index3& dims : {Index3{{11, 6, 9}}, Index3{{17, 17, 17}}, Index3{{20, 31, 14}}})
+  for (const Index3& dims : oracles::trials<std::vector<Index3>>(
+           {{{11, 6, 9}}, {{17, 17, 17}}, {{20, 31, 14}}}, {{{11, 6, 9}}, {{17, 9, 17}}}))
     for (const RegularGrid& grid : {plain_grid(dims), awkward_grid(dims)}) {
       const Volume volume = noisy_volume(grid, 1);
       const Dataset dataset = dataset_of(volume);

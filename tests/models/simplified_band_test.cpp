@@ -110,12 +110,13 @@ TEST(simplified_band, holds_on_noise_and_of_uint8) {
 }
 
 TEST(simplified_band, holds_beside_holes_and_ends_where_the_surface_did) {
-  Volume volume = rough_volume<float>({{40, 37, 23}}, 1, 9);
+  const auto dims = trials<Index3>({{40, 37, 23}}, {{40, 25, 13}});
+  Volume volume = rough_volume<float>(dims, 1, 9);
   auto samples = oracles::typed_samples<float>(volume);
   Random random(10);
   for (int i = 0; i < 40; ++i)
     samples[random.below(samples.size())] = std::numeric_limits<float>::quiet_NaN();
-  const auto row = static_cast<std::ptrdiff_t>(40 * 37 * 5 + 40 * 8);
+  const auto row = static_cast<std::ptrdiff_t>(40 * dims[1] * 5 + 40 * 8);
   std::fill(samples.begin() + row, samples.begin() + row + 60,
             std::numeric_limits<float>::quiet_NaN());
   const Dataset dataset = test::built_dataset(volume);
@@ -142,7 +143,7 @@ TEST(simplified_band, holds_in_oblique_and_mirrored_grids_and_far_from_the_origi
 }
 
 TEST(simplified_band, keeps_inside_thin_oblique_grids_of_two_layers) {
-  for (std::uint64_t seed = 20; seed < 26; ++seed) {
+  for (std::uint64_t seed = 20; seed < trials(26U, 22U); ++seed) {
     Volume volume = rough_volume<float>({{2, 34, 98}}, 1, seed);
     volume.info.grid.direction = {{Vec3d{{0.8, -0.6, 0}}, Vec3d{{0.6, 0.8, 0}}, Vec3d{{0, 0, 1}}}};
     const Dataset dataset = test::built_dataset(volume);
@@ -232,8 +233,9 @@ TEST(simplified_band, is_within_a_distance_of_full_resolution_too) {
     double isovalue, error, distance;
   };
   const Volume rough_one = rough_volume<float>({{20, 18, 16}}, 100, 5);
-  for (const auto& [volume, isovalue, error, distance] :
-       {Case{specks, 50, 10, 0.5}, Case{rough_one, 5, 30, 0.4}, Case{rough_one, 5, 30, 1.5}}) {
+  for (const auto& [volume, isovalue, error, distance] : trials<std::vector<Case>>(
+           {{specks, 50, 10, 0.5}, {rough_one, 5, 30, 0.4}, {rough_one, 5, 30, 1.5}},
+           {{specks, 50, 10, 0.5}, {rough_one, 5, 30, 1.5}})) {
     SCOPED_TRACE(distance);
     const Dataset dataset = test::built_dataset(volume);
     ExtractOptions options{.isovalues = {isovalue}, .max_error = 0.0, .threads = {2}};
@@ -281,7 +283,7 @@ TEST(simplified_band, is_as_small_at_an_isovalue_of_samples) {
 /// rounding, which stay as they face.
 TEST(simplified_band, turns_no_closed_piece_inside_out) {
   RegularGrid grid;
-  grid.dims = {{40, 40, 40}};
+  grid.dims = trials<Index3>({{40, 40, 40}}, {{24, 24, 24}});
   grid.origin = {{100, 100, 100}};
   Random random(21);
   const Volume specks = oracles::volume_of<std::uint8_t>(grid, [&](const Index3&) {
@@ -316,7 +318,8 @@ TEST(simplified_band, may_leave_nothing_at_all) {
 }
 
 TEST(simplified_band, of_cubes_holds_too) {
-  const Volume volume = rough_volume<std::int16_t>({{40, 37, 23}}, 1000, 13);
+  const Volume volume =
+      rough_volume<std::int16_t>(trials<Index3>({{40, 37, 23}}, {{40, 25, 13}}), 1000, 13);
   const Dataset dataset = test::built_dataset(volume);
   for (const double error : {60.0, 300.0}) {
     ExtractOptions options{

@@ -31,7 +31,7 @@ Volume spotted_hills(const Index3& dims, double noise) {
   });
 }
 
-Index3 several_chunks() { return oracles::trials<Index3>({{800, 40, 32}}, {{1100, 17, 14}}); }
+Index3 several_chunks() { return oracles::trials<Index3>({{800, 40, 32}}, {{600, 17, 14}}); }
 
 /// An infinite distance where one is empty.
 void expect_distance(const Surface& surface, const Surface& full, double distance) {
@@ -97,7 +97,8 @@ TEST(stored_distance, is_kept_by_noise) {
 
 TEST(stored_distance, is_looked_for_in_windows_where_only_the_model_fits) {
   const TestPath path("fits.lode");
-  const std::string lode = stored(path, spotted_hills({{800, 40, 32}}, 3));
+  const std::string lode =
+      stored(path, spotted_hills(oracles::trials<Index3>({{800, 40, 32}}, {{600, 20, 16}}), 3));
   ExtractOptions options{.isovalues = {120.5}};
   options.max_distance = 1.2;
   options.normals = Normals::off;
@@ -222,7 +223,7 @@ TEST(stored_distance, is_kept_where_the_data_end_beside_a_chunk) {
        oracles::trials<std::vector<std::int32_t>>({257, 289, 290, 298, 319, 321, 330}, {290}))
     for (const double distance : oracles::trials<std::vector<double>>({3, 60}, {60}))
       expect_near_in_windows(
-          spotted_hills(oracles::trials<Index3>({{n, 65, 65}}, {{n, 40, 65}}), 0),
+          spotted_hills(oracles::trials<Index3>({{n, 65, 65}}, {{n, 20, 65}}), 0),
           {.distance = distance});
 }
 
@@ -253,7 +254,7 @@ TEST(stored_distance, is_proven_again_where_a_far_surface_moves) {
 
 /// Chunks beside each other along all axes, of a grid that is turned and has other steps.
 TEST(stored_distance, is_kept_in_windows_beside_each_other_along_all_axes) {
-  Volume volume = spotted_hills(oracles::trials<Index3>({{65, 290, 298}}, {{18, 262, 290}}), 0);
+  Volume volume = spotted_hills(oracles::trials<Index3>({{65, 290, 298}}, {{9, 262, 270}}), 0);
   volume.info.grid.spacing = {{0.7, 1.9, 1.1}};
   volume.info.grid.direction.rows = {Vec3d{{0.6, 0, -0.8}}, Vec3d{{0, 1, 0}}, Vec3d{{0.8, 0, 0.6}}};
   expect_near_in_windows(volume, {.distance = 2, .bytes = 9'000'000});
@@ -304,7 +305,7 @@ TEST(stored_distance, gives_the_same_surface_for_any_number_of_threads) {
   ExtractOptions options{.isovalues = {120.5}, .max_distance = 1.0, .threads = {1}};
   StoredExtract expected;
   test::extract_stored(lode, options, true, expected);
-  for (const int threads : {2, 5}) {
+  for (const int threads : oracles::trials<std::vector<int>>({2, 5}, {5})) {
     StoredExtract got;
     options.threads = {threads};
     test::extract_stored(lode, options, true, got);

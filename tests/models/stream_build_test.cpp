@@ -6,6 +6,7 @@
 #include "tests/io/unit_source.h"
 #include "tests/models/all_targets.h"
 #include "tests/models/stored_fixtures.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::diamond {
 namespace {
@@ -80,9 +81,11 @@ INSTANTIATE_TEST_SUITE_P(
                       BuildCase{{{257, 20, 18}}}, BuildCase{{{258, 20, 18}}},
                       BuildCase{{{20, 259, 18}}, ScalarType::uint16, Holes::some},
                       BuildCase{{{20, 18, 530}}, ScalarType::float32, Holes::some},
-                      BuildCase{{{300, 280, 270}}},
-                      BuildCase{{{40, 300, 270}}, ScalarType::float32},
-                      BuildCase{{{20, 30, 1040}}, ScalarType::int8}, BuildCase{{{260, 30, 1031}}},
+                      BuildCase{oracles::trials<Index3>({{300, 280, 270}}, {{300, 280, 40}})},
+                      BuildCase{oracles::trials<Index3>({{40, 300, 270}}, {{12, 300, 270}}),
+                                ScalarType::float32},
+                      BuildCase{{{20, 30, 1040}}, ScalarType::int8},
+                      BuildCase{oracles::trials<Index3>({{260, 30, 1031}}, {{260, 12, 1031}})},
                       BuildCase{{{2060, 70, 1}}, ScalarType::float32, Holes::some},
                       BuildCase{{{70, 1, 2100}}, ScalarType::uint8}));
 

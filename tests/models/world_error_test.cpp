@@ -9,6 +9,7 @@
 #include "lode/models/diamond/attribute_check.h"
 #include "lode/models/diamond/build.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/oracles/typed_samples.h"
 
 namespace lode::diamond {
@@ -228,7 +229,7 @@ template <typename T>
 void expect_random_found_again(std::uint64_t seed) {
   oracles::Random random(seed);
   for (const double hole_share : {0.0, 0.1, 0.5})
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < oracles::trials(12, 6); ++i) {
       Index3 dims;
       for (auto& n : dims.v) n = static_cast<std::int32_t>(1 + random.below(20));
       // Beyond 16 cells errors are found in another way; some only touch the data's edge.

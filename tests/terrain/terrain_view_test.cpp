@@ -209,7 +209,8 @@ TEST_P(terrain_view, errs_by_no_more_pixels_than_asked_where_a_camera_sees_it) {
     const BuiltTerrain built = build(setting.grid);
     const auto all = select(built, {.max_error = 0}).tin.triangles.size();
     for (const LittleCamera& camera : cameras(setting))
-      for (const double max_error_px : {0.4, 6.0}) {
+      for (const double max_error_px : oracles::trials<std::vector<double>>(
+               {0.4, 6.0}, {setting.exaggeration == 1 ? 0.4 : 6.0})) {
         const SelectedTerrain made =
             select(built, {.focus = focus_of(camera, setting, max_error_px)});
         const Seen seen = seen_by(camera, made.tin, setting);
@@ -247,7 +248,7 @@ TEST_P(terrain_view, says_of_any_camera_that_what_was_asked_is_met) {
   oracles::Random random(11);
   for (const Setting& setting : {plain_metres(), feet()}) {
     const BuiltTerrain built = build(setting.grid);
-    for (int trial = 0; trial < oracles::trials(40, 12); ++trial) {
+    for (int trial = 0; trial < oracles::trials(40, 6); ++trial) {
       SCOPED_TRACE(testing::Message() << setting.name << ", camera " << trial);
       const LittleCamera camera = random_camera(setting, random);
       const double max_error_px = std::exp2(random.uniform(-2, 4));
@@ -387,7 +388,8 @@ TEST(terrain_view_of_levels, errs_by_no_more_pixels_than_asked_where_a_camera_se
     const auto all = origin.select({.max_error = 0}, delaunay::TinLinks::left_out, progress);
     ASSERT_TRUE(all);
     for (const LittleCamera& camera : cameras(setting))
-      for (const double max_error_px : {0.4, 6.0}) {
+      for (const double max_error_px : oracles::trials<std::vector<double>>(
+               {0.4, 6.0}, {setting.exaggeration == 1 ? 0.4 : 6.0})) {
         const auto made = origin.select({.focus = focus_of(camera, setting, max_error_px)},
                                         delaunay::TinLinks::kept, progress);
         ASSERT_TRUE(made) << made.error().message;

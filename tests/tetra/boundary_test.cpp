@@ -11,6 +11,7 @@
 #include "lode/models/tetra_mt/patch_deviation.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 #include "tests/tetra/mesh_checks.h"
 #include "tests/tetra/region_checks.h"
 #include "tests/tetra/sheet_checks.h"
@@ -87,7 +88,7 @@ TEST(boundary, of_narrow_positions_in_planes_goes_whichever_way_they_lie) {
 }
 
 TEST(boundary, moves_by_no_more_than_asked_for_both_ways) {
-  TetraMesh mesh = ball(9);
+  TetraMesh mesh = ball(oracles::trials(9, 7));
   std::ranges::fill(mesh.fields[0].values, 1);
   std::size_t last = mesh.tetrahedra.size();
   for (const double tolerance : {0.0, 0.03, 0.08, 0.2}) {
@@ -100,7 +101,7 @@ TEST(boundary, moves_by_no_more_than_asked_for_both_ways) {
 }
 
 TEST(boundary, and_faces_between_regions_move_together_and_regions_stay_what_they_are) {
-  TetraMesh mesh = ball(9);
+  TetraMesh mesh = ball(oracles::trials(9, 7));
   mesh.region_ids = {0, 1, 2};
   for (const auto& t : mesh.tetrahedra) {
     Vec3d centre;

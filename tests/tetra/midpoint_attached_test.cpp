@@ -24,6 +24,7 @@
 #include "lode/models/tetra_mt/midpoint/reference_mesh.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 #include "tests/tetra/midpoint_fixtures.h"
 
 namespace lode {
@@ -167,9 +168,9 @@ struct RealMesh {
 /// Curved boundaries, flat cells, points at one place with other values, scalars and vectors: the
 /// file of all fields, byte for byte.
 TEST_F(midpoint_attached, is_of_real_meshes_what_building_with_all_fields_makes) {
-  for (const RealMesh& real :
-       {RealMesh{"disk_out_44832tets.vtu", {"Temp", "Pres", "V", "AsH3"}},
-        RealMesh{"blunt_fin_187395tets.vtu", {"Density", "Momentum", "StagnationEnergy"}}}) {
+  const RealMesh disk{"disk_out_44832tets.vtu", {"Temp", "Pres", "V", "AsH3"}};
+  const RealMesh fin{"blunt_fin_187395tets.vtu", {"Density", "Momentum", "StagnationEnergy"}};
+  for (const RealMesh& real : oracles::trials<std::vector<RealMesh>>({disk, fin}, {disk})) {
     const std::filesystem::path path = tetra_data() / real.name;
     if (!std::filesystem::exists(path))
       GTEST_SKIP() << "no tetra/" << real.name << "; set LODE_DATA";

@@ -15,6 +15,7 @@
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/tetra/midpoint_fixtures.h"
 #include "tests/tetra/region_checks.h"
 #include "tests/tetra/sheet_checks.h"
@@ -74,7 +75,7 @@ void expect_near_reference(const TetraMesh& mesh, const BentBase& base, double t
 }
 
 TEST(midpoint_boundary, moves_by_no_more_than_asked_for_both_ways) {
-  TetraMesh mesh = test::ball(9);
+  TetraMesh mesh = test::ball(oracles::trials(9, 7));
   std::ranges::fill(mesh.fields[0].values, 1);
   std::size_t last = mesh.tetrahedra.size();
   for (const double tolerance : {0.0, 0.03, 0.08, 0.2}) {
@@ -95,7 +96,7 @@ TEST(midpoint_boundary, moves_by_no_more_than_asked_for_both_ways) {
 
 /// Vertices that come lie beside the reference's: not all that moves is half-edge collapses.
 TEST(midpoint_boundary, has_new_vertices_off_the_references) {
-  const TetraMesh mesh = test::ball(9);
+  const TetraMesh mesh = test::ball(oracles::trials(9, 7));
   const BentBase base = bent(mesh, 0.1);
   std::vector<bool> is_used(base.vertices.positions.size(), false);
   for (const auto& t : base.cells)
@@ -109,7 +110,7 @@ TEST(midpoint_boundary, has_new_vertices_off_the_references) {
 }
 
 TEST(midpoint_boundary, and_faces_between_regions_move_together_and_regions_stay_what_they_are) {
-  TetraMesh mesh = test::ball(9);
+  TetraMesh mesh = test::ball(oracles::trials(9, 7));
   mesh.region_ids = {0, 1, 2};
   for (const auto& t : mesh.tetrahedra) {
     Vec3d centre;

@@ -18,6 +18,7 @@
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 #include "tests/tetra/file_fixtures.h"
 #include "tests/tetra/mesh_checks.h"
 #include "tests/tetra/midpoint_fixtures.h"
@@ -229,7 +230,9 @@ TEST_F(midpoint_file, reads_nothing_of_fields_that_are_not_asked_for) {
 }
 
 TEST_F(midpoint_file, answers_as_memory_does_and_reads_what_it_needs) {
-  const Hierarchy hierarchy = midpoints_of(oracles::noise_mesh(25, oracles::Cut::in_five, 5), 800);
+  const Hierarchy hierarchy =
+      midpoints_of(oracles::noise_mesh(oracles::trials(25, 19), oracles::Cut::in_five, 5),
+                   oracles::trials(800, 350));
   write(hierarchy);
   const Forest memory(hierarchy);
   auto opened = open(path_);
@@ -301,7 +304,7 @@ TEST_F(midpoint_file, that_lies_is_refused_or_gives_something_but_does_no_harm) 
   Random random(6);
   const std::string lying = path_ + ".lying.lode";
   int n_opened = 0;
-  for (int trial = 0; trial < 400; ++trial) {
+  for (int trial = 0; trial < oracles::trials(400, 120); ++trial) {
     test::rewrite(path_, lying, random);
     const auto opened = open(lying);
     if (!opened) {

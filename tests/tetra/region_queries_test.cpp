@@ -13,6 +13,7 @@
 
 #include "lode/api/tetra_dataset.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -37,7 +38,7 @@ double volume_of(const std::vector<Vec3d>& p, const std::array<std::uint32_t, 4>
 
 /// Noise in [0, 1]^3; in a corner of it, a quarter wide, region 9, and beside that two more.
 TetraMesh noise_with_corner() {
-  TetraMesh mesh = oracles::noise_mesh(25, oracles::Cut::in_six, 11);
+  TetraMesh mesh = oracles::noise_mesh(oracles::trials(25, 17), oracles::Cut::in_six, 11);
   for (const auto& t : mesh.tetrahedra) {
     Vec3d centre;
     for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
@@ -161,7 +162,8 @@ TEST_P(tetra_region_queries, at_no_tolerance_are_the_references_cells) {
 TEST_P(tetra_region_queries, spend_budgets_in_the_region) {
   const std::size_t n_full = cells_of(2).size();
   // With the last one all of the region is the reference's.
-  for (const std::uint64_t max_cells : {4'000U, 8'000U, 60'000U}) {
+  for (const std::uint64_t max_cells : oracles::trials<std::vector<std::uint64_t>>(
+           {4'000, 8'000, 60'000}, {1'200, 2'400, 60'000})) {
     SimplexMesh all;
     SimplexMesh kept;
     Query query{.max_error = 0};

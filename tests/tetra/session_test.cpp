@@ -16,6 +16,7 @@
 
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -106,7 +107,7 @@ class tetra_session : public testing::TestWithParam<Placement> {
 TEST_P(tetra_session, answers_as_from_the_base) {
   TetraSession session(*dataset_);
   oracles::Random random(1);
-  for (int trial = 0; trial < 30; ++trial) {
+  for (int trial = 0; trial < oracles::trials(30, 12); ++trial) {
     TetraMeshOptions options = in_box(0.7 * random.uniform(), random.below(2) == 0 ? 0.0 : 0.2);
     switch (random.below(6)) {
       case 0: options.query.isovalues = {random.uniform()}; break;
@@ -123,7 +124,7 @@ TEST_P(tetra_session, answers_as_from_the_base) {
 TEST_P(tetra_session, follows_a_camera) {
   TetraSession session(*dataset_);
   oracles::Random random(2);
-  for (int trial = 0; trial < 24; ++trial) {
+  for (int trial = 0; trial < oracles::trials(24, 10); ++trial) {
     TetraMeshOptions options{.query = {.max_error = random.below(2) == 0 ? 0.0 : 0.1}};
     options.fields.along = {1};
     Query& query = options.query;

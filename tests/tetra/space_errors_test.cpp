@@ -13,13 +13,14 @@
 #include "lode/api/tetra_attachment.h"
 #include "lode/api/tetra_dataset.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
 
 /// A field that changes by 1 in a length of 1, and a little noise.
 TetraMesh sloped_mesh() {
-  TetraMesh mesh = oracles::noise_mesh(17, oracles::Cut::in_six, 4);
+  TetraMesh mesh = oracles::noise_mesh(oracles::trials(17, 11), oracles::Cut::in_six, 4);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3d& p = mesh.positions[v];
     double& value = mesh.fields[0].values[v];
