@@ -20,7 +20,7 @@ lode_test(simplify_test
     ${CMAKE_CURRENT_LIST_DIR}/simplify_sides_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/simplify_surface_test.cpp
   DEPENDS lode_mappers lode_core
-  COMPUTES)
+  COMPUTES TRIES)
 
 lode_test(mesh_mappers_test
   SOURCES

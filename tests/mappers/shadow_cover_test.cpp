@@ -7,6 +7,7 @@
 
 #include "tests/mappers/distance_oracle.h"
 #include "tests/mappers/shape_surfaces.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::simplification {
 namespace {
@@ -130,7 +131,7 @@ TEST(shadow_cover, proves_most_triangles_near_a_smooth_surface) {
 }
 
 TEST(shadow_cover, never_proves_what_is_farther) {
-  for (unsigned seed = 0; seed < 4; ++seed) {
+  for (unsigned seed = 0; seed < oracles::trials(4U, 2U); ++seed) {
     // Of rough surfaces, limits that just hold, just do not, and cut through.
     const Original patch(make_rough_patch(14, 0.4 + 0.5 * seed, seed));
     for (const double limit : {0.2, 0.5, 1.0}) {

@@ -14,6 +14,7 @@
 #include "lode/mappers/surface_match.h"
 #include "tests/models/stored_fixtures.h"
 #include "tests/models/volume_files.h"
+#include "tests/oracles/trials.h"
 
 namespace lode {
 namespace {
@@ -26,7 +27,7 @@ const std::vector<double> kNearIsovalues{120.5, 112.5, 500, 128.5};
 
 Volume rough_hills() {
   RegularGrid grid;
-  grid.dims = {{262, 18, 16}};
+  grid.dims = oracles::trials<Index3>({{262, 18, 16}}, {{262, 12, 11}});
   grid.spacing = {{1, 0.75, 1.5}};
   oracles::Random random(6);
   return oracles::volume_of<std::uint8_t>(grid, [&](const Index3& p) {

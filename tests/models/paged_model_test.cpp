@@ -241,8 +241,7 @@ TEST_F(paged_model, can_be_redirected_and_closed_while_pages_come) {
 
 TEST_F(paged_model, names_the_block_that_cannot_be_read) {
   // No simplex reaches across the border, where even coarse surfaces are refined.
-  const std::string path =
-      save(build(blobs<std::uint8_t>(trials<Index3>({{129, 129, 65}}, {{129, 129, 24}}), 250, 2)));
+  const std::string path = save(build(blobs<std::uint8_t>({{129, 129, 65}}, 250, 2)));
   std::uint64_t offset = 0;
   {
     const auto reader = store::Reader::open(path).value();
@@ -298,10 +297,7 @@ TEST_F(paged_model, names_the_block_that_cannot_be_read) {
 
 TEST_F(paged_model, stops_when_cancelled) {
   const Dataset opened =
-      Dataset::open(save(build(blobs<std::uint8_t>(
-                        trials<Index3>({{129, 129, 65}}, {{129, 129, 24}}), 250, 2))),
-                    {2})
-          .value();
+      Dataset::open(save(build(blobs<std::uint8_t>({{129, 129, 65}}, 250, 2))), {2}).value();
   Progress cancelled;
   cancelled.cancel();
   Surface surface;

@@ -21,7 +21,7 @@ RegularGrid grid_of(const Index3& dims) {
 
 /// Of several chunks.
 RegularGrid long_grid() {
-  return grid_of(oracles::trials<Index3>({{560, 40, 32}}, {{600, 24, 16}}));
+  return grid_of(oracles::trials<Index3>({{560, 40, 32}}, {{1100, 16, 12}}));
 }
 
 /// Waves through several chunks, with noise that makes small pieces.
@@ -118,7 +118,7 @@ TEST(simplified_pieces, fit_together_and_keep_what_is_promised_of_the_whole) {
 }
 
 RegularGrid turned_grid() {
-  RegularGrid grid = grid_of(oracles::trials<Index3>({{1150, 6, 270}}, {{600, 6, 270}}));
+  RegularGrid grid = grid_of({{1150, 6, 270}});
   grid.spacing = {{1, 1.25, 0.8}};
   grid.origin = {{-1000.25, 5, 17}};
   grid.direction = Mat3{{{{{0, 0, -1}}, {{1, 0, 0}}, {{0, 1, 0}}}}};

@@ -31,7 +31,7 @@ Volume spotted_hills(const Index3& dims, double noise) {
   });
 }
 
-Index3 several_chunks() { return oracles::trials<Index3>({{800, 40, 32}}, {{600, 17, 14}}); }
+Index3 several_chunks() { return oracles::trials<Index3>({{800, 40, 32}}, {{860, 17, 14}}); }
 
 /// An infinite distance where one is empty.
 void expect_distance(const Surface& surface, const Surface& full, double distance) {

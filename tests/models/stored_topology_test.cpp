@@ -151,7 +151,7 @@ ComponentTypes types_of(const Surface& surface) {
 }
 
 /// Of several chunks.
-Index3 long_dims() { return oracles::trials<Index3>({{800, 40, 32}}, {{600, 17, 14}}); }
+Index3 long_dims() { return oracles::trials<Index3>({{800, 40, 32}}, {{860, 17, 14}}); }
 
 /// From a file that the memory limit does not let in, and from memory.
 TEST(stored_topology, is_kept_in_the_surface_that_memory_gives) {

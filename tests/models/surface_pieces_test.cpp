@@ -162,8 +162,7 @@ void expect_same_counts(const std::string& lode, double max_error) {
 
 TEST(surface_pieces, are_counted_where_the_model_does_not_fit) {
   const TestPath path("counted.lode");
-  for (const Index3& dims :
-       {oracles::trials<Index3>({{800, 40, 20}}, {{560, 24, 20}}), Index3{{10000, 100, 1}}}) {
+  for (const Index3& dims : {Index3{{800, 40, 20}}, Index3{{10000, 100, 1}}}) {
     Volume volume = wavy(dims);
     std::string lode = stored(path, volume);
     for (const double max_error : {0.0, 1.5}) expect_same_counts(lode, max_error);

@@ -12,6 +12,7 @@
 #include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/terrain/insertions_fixtures.h"
 #include "tests/terrain/model_files.h"
 
@@ -317,9 +318,10 @@ TEST(insertions_lies, never_make_meshes_that_are_none) {
   oracles::Random random(5);
   int n_refused = 0;
   int n_refused_in_part = 0;
-  for (int trial = 0; trial < 500; ++trial) {
-    const auto kind = static_cast<std::size_t>(trial / 100);
-    if (trial % 100 == 0) {
+  const int n_trials = oracles::trials(100, 50);  // of each model
+  for (int trial = 0; trial < 5 * n_trials; ++trial) {
+    const auto kind = static_cast<std::size_t>(trial / n_trials);
+    if (trial % n_trials == 0) {
       ASSERT_TRUE(save(kind < kModels.size()
                            ? make_model<std::int16_t>(kModels[kind])
                            : make_point_model(kPointModels[kind - kModels.size()]),
@@ -358,8 +360,9 @@ TEST(insertions_lies, of_nodes_are_refused_by_who_comes_upon_them) {
   const ScratchFile file("nodes.lode");
   Progress progress;
   oracles::Random random(17);
-  for (int trial = 0; trial < 240; ++trial) {
-    const auto kind = static_cast<std::size_t>(trial / 60);
+  const int n_trials = oracles::trials(60, 15);  // of each model
+  for (int trial = 0; trial < 4 * n_trials; ++trial) {
+    const auto kind = static_cast<std::size_t>(trial / n_trials);
     LevelledHistory lie = kind < kModels.size() ? make_model<float>(kModels[kind])
                                                 : make_point_model(Model::delaunay_pyramid);
     lie.levels.clear();

@@ -2,6 +2,7 @@
 #include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/terrain/insertions_fixtures.h"
 
 namespace lode::insertions {
@@ -39,7 +40,7 @@ TEST(insertions, remembers_every_mesh_on_the_way) {
   for (const Model model : kModels) {
     const History history = history_of(grid, 60, model);
     ASSERT_GT(history.n_nodes(), 50U);
-    for (std::uint32_t time = 0; time <= history.n_nodes(); time += 7) {
+    for (std::uint32_t time = 0; time <= history.n_nodes(); time += oracles::trials(7U, 31U)) {
       const Tin tin = tin_at(history, time, TinLinks::left_out);
       EXPECT_EQ(tin.vertices.size(), history.n_base_vertices + time);
       delaunay::test::expect_fills(tin, grid);
@@ -146,7 +147,8 @@ TEST(insertions, find_places_and_windows_as_a_search_does) {
     const HistoryLocator locator(history);
     const delaunay::Window window{{c.grid.n_columns / 4, c.grid.n_rows / 3},
                                   {c.grid.n_columns / 2, c.grid.n_rows / 3 + 2}};
-    for (const double tolerance : {500.0, 60.0, 20.0}) {
+    for (const double tolerance :
+         oracles::trials<std::vector<double>>({500.0, 60.0, 20.0}, {60.0})) {
       const NodeSet nodes = nodes_within(history, tolerance);
       for (std::int32_t y = 0; y < c.grid.n_rows; ++y)
         for (std::int32_t x = 0; x < c.grid.n_columns; ++x) {

@@ -13,7 +13,6 @@
 #include "lode/api/edge_walk.h"
 #include "lode/delaunay/tin_links.h"
 #include "tests/delaunay/lattice_fixtures.h"
-#include "tests/oracles/trials.h"
 #include "tests/terrain/height_grids.h"
 
 namespace lode {
@@ -220,8 +219,7 @@ TEST(terrain_comparison, has_the_levels_that_models_have_of_themselves) {
 }
 
 TEST(terrain_comparison, measures_what_making_the_finest_mesh_takes) {
-  const int n = oracles::trials(250, 160);
-  const TerrainComparison made = compared(test::float_grid(n, n, ridges), {5, 0.1});
+  const TerrainComparison made = compared(test::float_grid(250, 250, ridges), {5, 0.1});
   for (const char* name :
        {"delaunay_selector", "delaunay_selector, strict", "restricted_quadtree", "regular grid"}) {
     const ComparedModel& model = named(made, name);

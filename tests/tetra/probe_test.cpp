@@ -13,7 +13,6 @@
 #include "lode/api/tetra_dataset.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
-#include "tests/oracles/trials.h"
 #include "tests/tetra/probe_checks.h"
 
 namespace lode {
@@ -146,7 +145,7 @@ TEST(tetra_probe, reads_little_of_a_file_and_gives_what_memory_gives) {
   const std::string path =
       (std::filesystem::temp_directory_path() / fmt::format("lode_probe_{}.lode", ::getpid()))
           .string();
-  const TetraMesh mesh = oracles::noise_mesh(oracles::trials(33, 25), oracles::Cut::in_five, 4);
+  const TetraMesh mesh = oracles::noise_mesh(33, oracles::Cut::in_five, 4);
   Progress progress;
   ASSERT_TRUE(TetraDataset::build_file(mesh, path, {}, progress));
   const auto opened = TetraDataset::open(path);
