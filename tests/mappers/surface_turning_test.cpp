@@ -72,7 +72,6 @@ TEST(surface_turning, is_told_by_what_is_near) {
   EXPECT_EQ(facing(coarse, 3).n_large_open, 0U) << "next to what may be off by so much";
   EXPECT_TRUE(facing(turned, 0.2).is_large);
   EXPECT_FALSE(facing(turned, 3).is_large);
-  EXPECT_EQ(facing(turned, 3).share_turned, 0);
   EXPECT_EQ(facing({}).share_turned, 0);
   EXPECT_EQ(hold_against(coarse, {}, 0.3, {2}, progress)->share_turned, 0);
   // However far they are from each other.

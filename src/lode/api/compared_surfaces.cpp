@@ -106,16 +106,17 @@ Result<void> add_turning(const Surface& surface, const Surface& before, MayDrop 
   LODE_TRY(const NearFacing near,
            hold_against(surface, before, distance.value_or(mean_edge(before)), threads, progress));
   constexpr double kMost = 0.75;
-  const bool is_turned = near.share_turned > kMost || near.n_turned > 0 ||
+  const bool is_told = near.is_large || !distance;
+  const bool is_turned = (is_told && near.share_turned > kMost) || near.n_turned > 0 ||
                          is_wrong(found.n_outward, wanted.n_outward) ||
                          is_wrong(found.n_inward, wanted.n_inward);
   std::string detail =
       fmt::format("{} closed ones face outward and {} inward, before {} and {}", found.n_outward,
                   found.n_inward, wanted.n_outward, wanted.n_inward);
-  detail += near.is_large ? fmt::format("; {:.1f} % of all faces another way than what is near",
-                                        100 * near.share_turned)
-                          : "; all is too small for this distance to say which way it faces";
-  if (near.is_large && found.n_open > 0)
+  detail += is_told ? fmt::format("; {:.1f} % of all faces another way than what is near",
+                                  100 * near.share_turned)
+                    : "; all is too small for this distance to say which way it faces";
+  if (is_told && found.n_open > 0)
     detail += fmt::format(", and {} of {} large open ones", near.n_turned, near.n_large_open);
   report.add("pieces face the way they did",
              found.n_outward + found.n_inward + found.n_flat + found.n_open, is_turned ? 1 : 0,

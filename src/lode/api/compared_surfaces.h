@@ -34,7 +34,8 @@ enum class MayDrop : std::uint8_t { no, yes };
 
 /// Whether pieces of a simplified surface face as before, some of which it may have dropped: closed
 /// ones by their volumes, large open ones, and all together, by what is near. `distance`: that it
-/// was to keep; without one, edges say about how far it may be.
+/// was to keep; without one, edges say about how far it may be. What is small beside a distance may
+/// face any way but of closed pieces.
 [[nodiscard]] Result<void> add_turning(const Surface& surface, const Surface& before,
                                        MayDrop may_drop, std::optional<double> distance,
                                        Threads threads, Progress& progress, VerifyReport& report);

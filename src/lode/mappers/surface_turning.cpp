@@ -156,7 +156,7 @@ Result<NearFacing> hold_against(const Surface& surface, const Surface& other, do
   }
   const double large = 2 * 100 * reach * reach;  // votes are twice the areas
   facing.is_large = whole.all >= large;
-  if (facing.is_large) facing.share_turned = whole.share();
+  facing.share_turned = whole.share();
   constexpr double kMost = 0.75;
   for (const Areas& areas : of_open) {
     if (!(areas.all >= large)) continue;

@@ -22,10 +22,10 @@ struct PieceFacing {
 /// Which way a surface faces, held against another near it: each triangle against the one of the
 /// other that is nearest to its middle, which in noise need not be the one it came from.
 struct NearFacing {
-  /// Whether all of it has an area of a hundred reaches squared, or more. What is smaller may have
-  /// gone round what it is held against: shares of it say nothing.
+  /// Whether all of it has an area of a hundred reaches squared, or more. Of what is smaller, and
+  /// may be off by a reach, shares say nothing.
   bool is_large = false;
-  double share_turned = 0;         ///< Of the area, facing another way; 0 where it is not large.
+  double share_turned = 0;         ///< Of the area, facing another way.
   std::uint64_t n_large_open = 0;  ///< Open pieces that are large;
   std::uint64_t n_turned = 0;      ///< of them, those of which three quarters face another way.
 };

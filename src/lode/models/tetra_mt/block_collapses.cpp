@@ -14,8 +14,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Weights of samples that are outside, and not by rounding of doubles alone.
 constexpr double kLeftOutside = -1e-4;
-/// Weights that floats find may be off by less.
-constexpr double kFarOutside = -1e-3;
 
 }  // namespace
 
@@ -204,9 +202,6 @@ std::optional<BlockCollapser::Cover> BlockCollapser::find_holder(int kept, std::
   one_beside_.x.assign(1, static_cast<float>(p[0]));
   one_beside_.y.assign(1, static_cast<float>(p[1]));
   one_beside_.z.assign(1, static_cast<float>(p[2]));
-  const std::size_t lane = find_lane(fan_, lanes_.n, one_beside_, 0);
-  const bool is_known = lane < static_cast<std::size_t>(star_.n_triangles) && fan_.gaps[lane] == 0;
-  if (!is_known || !(cover_by(lane, kept, sample).least >= kFarOutside)) return {};
   auto cover = find_cover(kept, one_beside_, 0);
   return cover && cover->least >= -kHeld - cover->rounding ? cover : std::nullopt;
 }

@@ -26,6 +26,7 @@ std::uint32_t band_of(std::size_t place, std::size_t n_nodes) {
 /// One by the range of each of the mesh's fields.
 std::vector<double> weights_of(const TetraMesh& mesh) {
   std::vector<double> weights;
+  if (mesh.positions.empty()) return weights;
   for (const MeshField& field : mesh.fields) {
     const auto [low, high] = std::ranges::minmax(field.values);
     weights.push_back(high > low ? 1 / (high - low) : 0);

@@ -13,8 +13,6 @@ namespace lode::tetra_mt::midpoint {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-/// Weights that floats find may be off by less.
-constexpr double kFarOutside = -1e-3;
 
 }  // namespace
 
@@ -226,9 +224,6 @@ std::optional<EdgeCollapser::Cover> EdgeCollapser::find_holder(std::uint32_t sam
   one_beside_.x.assign(1, static_cast<float>(p[0]));
   one_beside_.y.assign(1, static_cast<float>(p[1]));
   one_beside_.z.assign(1, static_cast<float>(p[2]));
-  const std::size_t lane = find_lane(fan_, lanes_.n, one_beside_, 0);
-  const bool is_known = lane < static_cast<std::size_t>(edge_.n_triangles) && fan_.gaps[lane] == 0;
-  if (!is_known || !(cover_by(lane, sample).least >= kFarOutside)) return {};
   auto cover = find_cover(one_beside_, 0);
   return cover && cover->least >= -kHeld - cover->rounding ? cover : std::nullopt;
 }
