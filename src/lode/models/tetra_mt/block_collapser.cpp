@@ -55,17 +55,24 @@ BlockCollapser::BlockCollapser(BuildState& state, std::span<const std::uint32_t>
       gatherer_(live_),
       beside_(live_),
       queue_(static_cast<std::uint32_t>(vertices.size())),
+      is_inner_(vertices.size(), 1),
       has_changed_(slots.size(), 0) {
+  positions_.reserve(vertices_.size());
+  values_.reserve(vertices_.size() * state.n_fields);
   for (std::size_t i = 0; i + 1 < vertices_.size(); ++i) {
     positions_.push_back(state.mesh.positions[vertices_[i]]);
     for (std::size_t f = 0; f < state.n_fields; ++f)
       values_.push_back(state.value(vertices_[i], f));
   }
+  samples_.reserve(slots.size());
+  makers_.reserve(slots.size());
+  corner_sets_.reserve(slots.size());
   for (const std::uint32_t slot : slots) {
     samples_.push_back(state.first_sample[slot]);
     makers_.push_back(state.makers[slot]);
     corner_sets_.push_back(state.corner_sets[slot]);
   }
+  find_inner();
   covered_.n_fields = state.n_fields;
   fan_.kept_value.resize(state.n_fields);
   fan_.gradients.resize(state.n_fields);
@@ -88,8 +95,7 @@ void BlockCollapser::find_keys() {
 
 void BlockCollapser::run(float limit, std::uint64_t n_cells) {
   for (std::uint32_t v = 0; v < live_.n_own(); ++v)
-    if (state_.is_locked[global(v)] == 0 && state_.keys[global(v)] < limit)
-      queue_.set(v, state_.keys[global(v)]);
+    if (may_go(v) && state_.keys[global(v)] < limit) queue_.set(v, state_.keys[global(v)]);
   while (n_gone_ < n_cells) {
     const std::uint32_t vertex = queue_.pop();
     if (vertex == kNone) break;
@@ -98,18 +104,22 @@ void BlockCollapser::run(float limit, std::uint64_t n_cells) {
       state_.keys[global(vertex)] = kNever;
       continue;
     }
-    if (!is_inner()) continue;  // its key stays, for blocks in which it is one
     find_choices();
     if (collapse_best(key, limit)) look_again_beside(key, limit);
   }
 }
 
-/// Whether nothing but own vertices is beside the one whose star that is.
-bool BlockCollapser::is_inner() const {
-  for (int i = 0; i < star_.n_link; ++i)
-    if (i != star_.outside && star_.link[static_cast<std::size_t>(i)] >= live_.n_own())
-      return false;
-  return true;
+/// Those beside which are none but own vertices, and the one outside. As no others go, the
+/// tetrahedra that have other vertices stay as they are, and so does what that says.
+void BlockCollapser::find_inner() {
+  for (std::uint32_t slot = 0; slot < live_.n_slots(); ++slot) {
+    const Tetrahedron& t = live_.corners(slot);
+    const auto is_own = [&](std::uint32_t v) { return v < live_.n_own(); };
+    if (std::ranges::all_of(t, [&](std::uint32_t v) { return is_own(v) || v == live_.outside(); }))
+      continue;
+    for (const std::uint32_t v : t)
+      if (is_own(v)) is_inner_[v] = 0;
+  }
 }
 
 /// In the mesh as it is: where it is none, what is beside it has values from which to which its own
@@ -276,12 +286,13 @@ void BlockCollapser::find_choices() {
 /// Whatever tetrahedra would come: most of these choices are never looked at again.
 void BlockCollapser::find_choices_by_quadrics() {
   const std::span<const FieldQuadric> own = state_.quadrics_of(global(star_.vertex));
+  const double unit = 1 / state_.size;
   for (int kept = 0; kept < star_.n_link; ++kept) {
     if (kept == star_.outside) continue;
     const float moved = moved_by(kept);
     if (moved == kNever) continue;
     const std::uint32_t other = star_.link[static_cast<std::size_t>(kept)];
-    const Vec3d at = (1 / state_.size) * (positions_[other] - state_.centre);
+    const Vec3d at = unit * (positions_[other] - state_.centre);
     double sum = 0;
     for (std::size_t f = 0; f < state_.n_fields; ++f)
       sum += std::max(own[f].at(at, state_.scales[f] * values_[other * state_.n_fields + f]), 0.0);
@@ -305,6 +316,14 @@ void BlockCollapser::find_choices_by_samples() {
   }
 }
 
+/// Leaves the fan to it. Most that quadrics choose would turn tetrahedra round, so that comes
+/// first.
+bool BlockCollapser::may_collapse_to(int kept) {
+  const bool is_first = is_by_quadrics();
+  return (!is_first || make_fan_to(kept)) && gatherer_.may_collapse(star_, kept, rules_.max_link) &&
+         (is_first || make_fan_to(kept)) && keeps_regions(kept);
+}
+
 /// The best one that leaves a manifold, unless it is worse than others wait with: then the vertex
 /// waits, too.
 bool BlockCollapser::collapse_best(float key, float limit) {
@@ -316,9 +335,7 @@ bool BlockCollapser::collapse_best(float key, float limit) {
       if (known < limit) queue_.set(star_.vertex, known);
       return false;
     }
-    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && make_fan_to(best->kept) &&
-        keeps_regions(best->kept) && collapse(*best))
-      return true;
+    if (may_collapse_to(best->kept) && collapse(*best)) return true;
     *best = choices_.back();
   }
   return false;
@@ -332,7 +349,7 @@ void BlockCollapser::look_again_beside(float key, float limit) {
     float& known = state_.keys[global(v)];
     if (is_by_quadrics() && known != kNever) continue;
     known = known == kNever ? key : known * rules_.discount;
-    if (known < limit) queue_.set(v, known);
+    if (known < limit && is_inner_[v] != 0) queue_.set(v, known);
   }
 }
 

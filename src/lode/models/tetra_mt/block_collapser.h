@@ -75,7 +75,11 @@ class BlockCollapser {
   [[nodiscard]] float& deviation(int triangle) {
     return state_.deviations[slots_[star_.slots[static_cast<std::size_t>(triangle)]]];
   }
-  [[nodiscard]] bool is_inner() const;
+  void find_inner();
+  /// Others keep their keys, for blocks in which they may.
+  [[nodiscard]] bool may_go(std::uint32_t vertex) const {
+    return is_inner_[vertex] != 0 && state_.is_locked[global(vertex)] == 0;
+  }
   [[nodiscard]] bool is_extremum() const;
   void find_interfaces_of(const Star& star, Interfaces& found) const;
   [[nodiscard]] float moved_by(int kept) const;
@@ -116,6 +120,7 @@ class BlockCollapser {
   void find_choices();
   void find_choices_by_samples();
   void find_choices_by_quadrics();
+  [[nodiscard]] bool may_collapse_to(int kept);
   [[nodiscard]] bool collapse_best(float key, float limit);
   [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] bool cover_samples(int kept);
@@ -141,6 +146,7 @@ class BlockCollapser {
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
   std::vector<CornerSets> corner_sets_;    ///< By slot.
   std::vector<std::uint32_t> makers_;      ///< By slot.
+  std::vector<std::uint8_t> is_inner_;     ///< By own vertex.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   Star star_;
   Interfaces interfaces_;  ///< Of the star.

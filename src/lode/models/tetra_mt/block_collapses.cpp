@@ -33,8 +33,9 @@ bool BlockCollapser::collapse(const Choice& choice) {
     const std::uint32_t sample = covered_.samples[s];
     const Cover& cover = covers_[s];
     const std::uint32_t slot = star_.slots[cover.lane];
-    corner_sets_[slot].add(
+    state_.sample_corners[sample] = corners_round(
         weights_of_corners(live_.corners(slot), star_, cover.lane, cover.weights), cover.least);
+    corner_sets_[slot].add(state_.sample_corners[sample]);
     std::uint32_t& first = samples_[slot];
     state_.next_sample[sample] = first;
     first = sample;
@@ -76,7 +77,8 @@ bool BlockCollapser::cover_samples(int place) {
   return true;
 }
 
-/// By one lane. Weights are of the triangle's corners; products of lengths bound what they lose.
+/// By one lane. Weights are of the triangle's corners; products of lengths bound what they lose,
+/// and sums of coordinates bound those.
 BlockCollapser::Cover BlockCollapser::cover_by(std::size_t lane, int kept,
                                                std::uint32_t sample) const {
   const Vec3d at = link_[static_cast<std::size_t>(kept)];
@@ -86,14 +88,15 @@ BlockCollapser::Cover BlockCollapser::cover_by(std::size_t lane, int kept,
   const Vec3d c = link_[t[2]] - at;
   const Vec3d d = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_ - at;
   const Vec3d bc = cross(b, c);
-  const double volume = dot(bc, a);
-  Cover cover{
-      .lane = lane,
-      .weights = {dot(bc, d) / volume, dot(cross(c, a), d) / volume, dot(cross(a, b), d) / volume}};
+  const double inverse = 1 / dot(bc, a);
+  Cover cover{.lane = lane,
+              .weights = {dot(bc, d) * inverse, dot(cross(c, a), d) * inverse,
+                          dot(cross(a, b), d) * inverse}};
   const auto& w = cover.weights;
   cover.least = std::min({w[0], w[1], w[2], 1 - (w[0] + w[1] + w[2])});
-  const double sizes = length(b) * length(c) + length(c) * length(a) + length(a) * length(b);
-  cover.rounding = 0x1p-48 * (1 + sizes * length(d) / volume);
+  const auto size = [](const Vec3d& v) { return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]); };
+  const double sizes = size(b) * size(c) + size(a) * (size(b) + size(c));
+  cover.rounding = 0x1p-48 * (1 + sizes * size(d) * inverse);
   return cover;
 }
 
@@ -210,10 +213,11 @@ std::optional<BlockCollapser::Cover> BlockCollapser::find_holder(int kept, std::
 void BlockCollapser::note_held_samples(int kept) {
   const auto link = std::span(star_.link).first(static_cast<std::size_t>(star_.n_link));
   const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
-  beside_.visit(std::span(&star_.vertex, 1), link, sets_of, [&](std::uint32_t slot) {
-    for (std::uint32_t s = samples_[slot]; s != kNone; s = state_.next_sample[s])
-      note_held(kept, s);
-  });
+  beside_.visit(std::span(&star_.vertex, 1), link, sets_of,
+                [&](std::uint32_t slot, unsigned others) {
+                  for (std::uint32_t s = samples_[slot]; s != kNone; s = state_.next_sample[s])
+                    if ((state_.sample_corners[s] & others) == 0) note_held(kept, s);
+                });
 }
 
 void BlockCollapser::note_held(int kept, std::uint32_t sample) {

@@ -22,6 +22,7 @@ BuildState::BuildState(const TetraMesh& reference, CollapseOrder order)
       outside(static_cast<std::uint32_t>(reference.positions.size())),
       tetrahedra(reference.tetrahedra),
       next_sample(outside, kNone),
+      sample_corners(outside, kAllCorners),
       n_fields(reference.fields.size()),
       errors(n_fields * outside, 0),
       distances(order == CollapseOrder::space_error ? errors.size() : 0, 0),

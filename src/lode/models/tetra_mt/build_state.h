@@ -66,7 +66,8 @@ struct BuildState {
   std::vector<float> boundary_edges;             ///< By vertex: the reference's longest at it.
   std::vector<std::uint32_t> first_sample;       ///< By slot: of those it covers, kNone where none.
   std::vector<CornerSets> corner_sets;           ///< By slot: of the same.
-  std::vector<std::uint32_t> next_sample;        ///< By removed vertex: the next one there.
+  std::vector<std::uint32_t> next_sample;        ///< By removed vertex: the next one there,
+  std::vector<CornerBits> sample_corners;        ///< and where it lies there.
   std::size_t n_fields;
   std::vector<double> scales;    ///< By field: what makes its range 1; 0 where it has none.
   std::vector<float> errors;     ///< F - F' of removed vertices, by vertex and field, so scaled.

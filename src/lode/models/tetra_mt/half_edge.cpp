@@ -16,8 +16,10 @@ namespace {
 
 /// Vertices: what belongs to one fits the second cache.
 constexpr std::size_t kBlockSize = 6000;
-/// Of what is left, how much is to go in a round; and at least of what is left to go.
+/// Of what is left, how much is to go in a round, in the order of quadrics more, as nobody asks it
+/// to be exact; and at least of what is left to go.
 constexpr double kRoundShare = 0.2;
+constexpr double kQuadricRoundShare = 0.35;
 constexpr double kLastShare = 0.6;
 /// Rounds without much effect, in blocks elsewhere each, after which nothing is left to do.
 constexpr int kMaxIdle = 4;
@@ -55,32 +57,21 @@ class Rounds {
     std::vector<std::uint32_t> there;
     for (std::uint32_t v = 0; v < state_.outside; ++v)
       if (state_.is_there[v] != 0) there.push_back(v);
-    blocks_ = cut_in_blocks(state_.mesh.positions, std::move(there), kBlockSize,
-                            kShares[static_cast<std::size_t>(round) % kShares.size()]);
-    block_of_.assign(state_.outside + std::size_t{1}, kNone);
-    for (std::uint32_t b = 0; b < blocks_.size(); ++b)
-      for (const std::uint32_t v : blocks_.of(b)) block_of_[v] = b;
-    slots_.assign(blocks_.size(), {});
-    for (std::uint32_t slot = 0; slot < state_.tetrahedra.size(); ++slot) {
-      const Tetrahedron& t = state_.tetrahedra[slot];
-      if (t[0] == kNone) continue;
-      std::array<std::uint32_t, 4> of{};
-      for (std::size_t k = 0; k < 4; ++k) {
-        of[k] = block_of_[t[k]];
-        bool is_new = of[k] != kNone;
-        for (std::size_t j = 0; j < k; ++j) is_new = is_new && of[j] != of[k];
-        if (is_new) slots_[of[k]].push_back(slot);
-      }
-    }
+    blocks_ = cut_mesh(state_.mesh.positions, std::move(there), state_.tetrahedra, kBlockSize,
+                       kShares[static_cast<std::size_t>(round) % kShares.size()], options_.threads);
   }
 
   template <typename Visit>
   void visit_blocks(const Visit& visit) {
     parallel_for(blocks_.size(), options_.threads, 1, [&](std::size_t b, int worker) {
-      BlockCollapser block(state_, blocks_.of(b), slots_[b],
+      BlockCollapser block(state_, blocks_.vertices.of(b), blocks_.slots[b],
                            places_[static_cast<std::size_t>(worker)], options_.rules);
       visit(b, block);
     });
+  }
+
+  [[nodiscard]] double round_share() const {
+    return options_.rules.order == CollapseOrder::quadric ? kQuadricRoundShare : kRoundShare;
   }
 
   /// Returns which share of the cells has gone.
@@ -88,7 +79,7 @@ class Rounds {
     const auto before = static_cast<double>(state_.n_cells);
     const double left = before - static_cast<double>(options_.base_cells);
     const double aim =
-        left < 0.01 * before ? left : std::min(kRoundShare * before, kLastShare * left);
+        left < 0.01 * before ? left : std::min(round_share() * before, kLastShare * left);
     const double share = std::min(0.9, aim / before / gain_);
     const float limit = find_limit(share);
     std::vector<std::vector<Collapse>> collapses(blocks_.size());
@@ -97,8 +88,8 @@ class Rounds {
     std::vector<std::uint64_t> n_gone(blocks_.size(), 0);
     visit_blocks([&](std::size_t b, BlockCollapser& block) {
       // No block may take more than its part of what is left to go.
-      const double part =
-          static_cast<double>(blocks_.of(b).size()) / static_cast<double>(blocks_.points.size());
+      const double part = static_cast<double>(blocks_.vertices.of(b).size()) /
+                          static_cast<double>(blocks_.vertices.points.size());
       block.run(limit, static_cast<std::uint64_t>(std::ceil(part * left)));
       block.write_back();
       n_gone[b] = block.n_cells_gone();
@@ -120,7 +111,7 @@ class Rounds {
   /// The key that a share of the vertices which may go is below.
   [[nodiscard]] float find_limit(double share) const {
     std::vector<float> keys;
-    for (const std::uint32_t v : blocks_.points)
+    for (const std::uint32_t v : blocks_.vertices.points)
       if (state_.is_locked[v] == 0 && std::isfinite(state_.keys[v])) keys.push_back(state_.keys[v]);
     if (keys.empty()) return 0;
     const auto at = static_cast<std::size_t>(share * static_cast<double>(keys.size()));
@@ -132,9 +123,7 @@ class Rounds {
   BuildState& state_;
   std::vector<std::vector<std::uint32_t>> places_;  ///< By worker.
   double gain_ = 1.5;  ///< What share goes, against that of vertices that a limit lets.
-  SpaceBlocks blocks_;
-  std::vector<std::uint32_t> block_of_;            ///< By vertex.
-  std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
+  MeshBlocks blocks_;
 };
 
 /// Of all vertices that are left.

@@ -19,19 +19,28 @@ namespace lode::tetra_mt {
 /// outside, as a share of its height, besides what that may be off: more than verification allows.
 inline constexpr double kHeld = 2e-9;
 
-/// Between which corners of a tetrahedron samples lie that others may hold: of those it covers.
+/// Between which corners of its tetrahedron a sample lies, a bit each: in a face, an edge or a
+/// vertex, or, with all of them, inside, where no other holds it. None where it is covered from
+/// outside, as the smallest weight says: it may lie anywhere.
+using CornerBits = std::uint8_t;
+inline constexpr CornerBits kAllCorners = 15;
+
+[[nodiscard]] inline CornerBits corners_round(const std::array<double, 4>& weights, double least) {
+  constexpr double kNear = 1e-4;  // far more than kHeld: beside thin ones are thick ones
+  if (least < -kNear) return 0;
+  unsigned corners = 0;
+  for (std::size_t k = 0; k < 4; ++k) corners |= weights[k] > kNear ? 1U << k : 0;
+  return static_cast<CornerBits>(corners);
+}
+
+/// Those of the samples that a tetrahedron covers which others may hold.
 class CornerSets {
  public:
-  /// By the corners' weights. One inside is held by no other; one that is covered from outside,
-  /// as the smallest weight says, may lie anywhere.
-  void add(const std::array<double, 4>& weights, double least) {
-    unsigned corners = 0;
-    for (std::size_t k = 0; k < 4; ++k) corners |= weights[k] > kNear ? 1U << k : 0;
-    if (least < -kNear) corners = 0;
-    if (corners != kAll) sets_ = static_cast<std::uint16_t>(sets_ | 1U << corners);
+  void add(CornerBits corners) {
+    if (corners != kAllCorners) sets_ = static_cast<std::uint16_t>(sets_ | 1U << corners);
   }
   [[nodiscard]] bool is_empty() const { return sets_ == 0; }
-  /// Whether one may lie between these corners, a bit each.
+  /// Whether one may lie between these corners.
   [[nodiscard]] bool has_within(unsigned corners) const {
     for (unsigned left = sets_; left != 0; left &= left - 1)
       if ((static_cast<unsigned>(std::countr_zero(left)) & ~corners) == 0) return true;
@@ -39,9 +48,6 @@ class CornerSets {
   }
 
  private:
-  static constexpr double kNear = 1e-4;  ///< Far more than kHeld: beside thin ones are thick ones.
-  static constexpr unsigned kAll = 15;
-
   std::uint16_t sets_ = 0;  ///< A bit for each set of corners, which is a number of four bits.
 };
 
@@ -72,9 +78,9 @@ class TetrahedraBeside {
   explicit TetrahedraBeside(const LiveTetrahedra& mesh)
       : mesh_(mesh), marks_(std::size_t{mesh.outside()} + 1, Mark::elsewhere) {}
 
-  /// Calls visit(slot) for each that has none of the `ends`, but some of the `link` round these,
-  /// and samples between such corners. All vertices are own ones, but the one outside.
-  /// `sets_of(slot)`: its CornerSets.
+  /// Calls visit(slot, others) for each that has none of the `ends`, but some of the `link` round
+  /// these, and samples between such corners: those whose CornerBits have none of the `others`. All
+  /// vertices are own ones, but the one outside. `sets_of(slot)`: its CornerSets.
   template <typename SetsOf, typename Visit>
   void visit(std::span<const std::uint32_t> ends, std::span<const std::uint32_t> link,
              const SetsOf& sets_of, const Visit& visit) {
@@ -83,9 +89,10 @@ class TetrahedraBeside {
     for (const std::uint32_t v : link) {
       if (v == mesh_.outside() || marks_[v] == Mark::end) continue;
       for (const std::uint32_t slot : mesh_.star(v))
-        if (const CornerSets sets = sets_of(slot);
-            !sets.is_empty() && is_beside(mesh_.corners(slot), v, sets))
-          visit(slot);
+        if (const CornerSets sets = sets_of(slot); !sets.is_empty())
+          if (const unsigned common = common_corners(mesh_.corners(slot), v);
+              common != 0 && sets.has_within(common))
+            visit(slot, kAllCorners & ~common);
     }
     for (const std::uint32_t v : link) marks_[v] = Mark::elsewhere;
     for (const std::uint32_t v : ends) marks_[v] = Mark::elsewhere;
@@ -94,17 +101,16 @@ class TetrahedraBeside {
  private:
   enum class Mark : std::uint8_t { elsewhere, link, end };
 
-  /// Once for each: from its first corner in the link.
-  [[nodiscard]] bool is_beside(const Tetrahedron& corners, std::uint32_t from,
-                               CornerSets sets) const {
+  /// Those in the link, a bit each; none where `from` is not the first of them, so that each
+  /// tetrahedron comes once, or one is an end.
+  [[nodiscard]] unsigned common_corners(const Tetrahedron& corners, std::uint32_t from) const {
     unsigned common = 0;
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const Mark mark = marks_[corners[k]];
-      if (mark == Mark::end || (mark == Mark::link && common == 0 && corners[k] != from))
-        return false;
+      if (mark == Mark::end || (mark == Mark::link && common == 0 && corners[k] != from)) return 0;
       common |= mark == Mark::link ? 1U << k : 0;
     }
-    return sets.has_within(common);
+    return common;
   }
 
   const LiveTetrahedra& mesh_;

@@ -97,6 +97,7 @@ class FieldMeasurer {
         beside_(live_),
         first_sample_(mesh.tetrahedra.size(), kNone),
         next_sample_(n_, kNone),
+        sample_corners_(n_, kAllCorners),
         corner_sets_(mesh.tetrahedra.size()),
         facts_(mesh.fields.size(), std::vector<Facts>(hierarchy.head().shape.n_nodes)) {
     for (const MeshField& field : mesh.fields) {
@@ -144,7 +145,8 @@ class FieldMeasurer {
   LiveTetrahedra live_;
   TetrahedraBeside beside_;
   std::vector<std::uint32_t> first_sample_;  ///< By slot,
-  std::vector<std::uint32_t> next_sample_;   ///< and by vertex that has gone.
+  std::vector<std::uint32_t> next_sample_;   ///< and by vertex that has gone,
+  std::vector<CornerBits> sample_corners_;   ///< with where it lies there.
   std::vector<CornerSets> corner_sets_;      ///< By slot, of the same.
   std::vector<std::vector<Facts>> facts_;    ///< By field and node.
   std::vector<std::uint32_t> made_;          ///< Slots of what a collapse makes.
@@ -220,7 +222,8 @@ void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32
     return;
   }
   if (best.least < 0) clamp(best);
-  corner_sets_[best.slot].add(shares_of_corners(best, kept), best.least);
+  sample_corners_[sample] = corners_round(shares_of_corners(best, kept), best.least);
+  corner_sets_[best.slot].add(sample_corners_[sample]);
   const auto covers = static_cast<std::size_t>(std::ranges::find(made_, best.slot) - made_.begin());
   next_sample_[sample] = first_sample_[best.slot];
   first_sample_[best.slot] = sample;
@@ -244,9 +247,9 @@ void FieldMeasurer::find_beside(std::uint32_t removed) {
   link_.erase(std::unique(link_.begin(), link_.end()), link_.end());
   samples_beside_.clear();
   const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
-  beside_.visit(std::span(&removed, 1), link_, sets_of, [&](std::uint32_t slot) {
+  beside_.visit(std::span(&removed, 1), link_, sets_of, [&](std::uint32_t slot, unsigned others) {
     for (std::uint32_t s = first_sample_[slot]; s != kNone; s = next_sample_[s])
-      samples_beside_.push_back(s);
+      if ((sample_corners_[s] & others) == 0) samples_beside_.push_back(s);
   });
 }
 

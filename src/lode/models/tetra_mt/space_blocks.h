@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "lode/core/parallel.h"
 #include "lode/core/vec.h"
+#include "lode/models/tetra_mt/closed_mesh.h"
 
 namespace lode::tetra_mt {
 
@@ -19,11 +21,27 @@ struct SpaceBlocks {
   }
 };
 
+/// Vertices of a mesh in boxes, and what of the mesh belongs to each.
+struct MeshBlocks {
+  SpaceBlocks vertices;
+  std::vector<std::uint32_t> block_of;  ///< By vertex; kNone of those that are in none.
+  std::vector<std::vector<std::uint32_t>>
+      slots;  ///< By block: tetrahedra with one of its vertices.
+
+  [[nodiscard]] std::size_t size() const { return vertices.size(); }
+};
+
 /// Halves what is larger than `max_size` along its longest side, again and again. `share`, between
 /// 0 and 1: how much of it lies below the planes of the first three times, whose place decides on
 /// all others'. A block's points are ascending.
 [[nodiscard]] SpaceBlocks cut_in_blocks(std::span<const Vec3d> positions,
                                         std::vector<std::uint32_t> points, std::size_t max_size,
-                                        double share);
+                                        double share, Threads threads);
+
+/// Those of `vertices`, whatever else a tetrahedron has; of tetrahedra those that are not gone.
+[[nodiscard]] MeshBlocks cut_mesh(std::span<const Vec3d> positions,
+                                  std::vector<std::uint32_t> vertices,
+                                  std::span<const Tetrahedron> tetrahedra, std::size_t max_size,
+                                  double share, Threads threads);
 
 }  // namespace lode::tetra_mt

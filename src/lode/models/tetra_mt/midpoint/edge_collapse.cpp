@@ -161,8 +161,9 @@ void EdgeCollapser::move_samples() {
     const std::uint32_t sample = covered_.samples[s];
     const Cover& cover = covers_[s];
     const std::uint32_t slot = edge_.slots[cover.lane];
-    corner_sets_[slot].add(
+    state_.sample_corners[sample] = corners_round(
         weights_of_corners(live_.corners(slot), edge_, cover.lane, cover.weights), cover.least);
+    corner_sets_[slot].add(state_.sample_corners[sample]);
     std::uint32_t& first = samples_[slot];
     state_.next_sample[sample] = first;
     first = sample;
@@ -233,8 +234,9 @@ void EdgeCollapser::note_held_samples() {
   const std::array<std::uint32_t, 2> ends{star_.vertex, other_.vertex};
   const auto link = std::span(edge_.link).first(static_cast<std::size_t>(edge_.n_link));
   const auto sets_of = [&](std::uint32_t slot) { return corner_sets_[slot]; };
-  beside_.visit(ends, link, sets_of, [&](std::uint32_t slot) {
-    for (std::uint32_t s = samples_[slot]; s != kNone; s = state_.next_sample[s]) note_held(s);
+  beside_.visit(ends, link, sets_of, [&](std::uint32_t slot, unsigned others) {
+    for (std::uint32_t s = samples_[slot]; s != kNone; s = state_.next_sample[s])
+      if ((state_.sample_corners[s] & others) == 0) note_held(s);
   });
 }
 

@@ -52,23 +52,8 @@ class Rounds {
     std::vector<std::uint32_t> there;
     for (std::uint32_t v = 0; v < state_.outside; ++v)
       if (state_.is_there[v] != 0) there.push_back(v);
-    blocks_ = cut_in_blocks(state_.positions, std::move(there), kBlockSize,
-                            kShares[static_cast<std::size_t>(round) % kShares.size()]);
-    block_of_.assign(state_.outside + std::size_t{1}, kNone);
-    for (std::uint32_t b = 0; b < blocks_.size(); ++b)
-      for (const std::uint32_t v : blocks_.of(b)) block_of_[v] = b;
-    slots_.assign(blocks_.size(), {});
-    for (std::uint32_t slot = 0; slot < state_.tetrahedra.size(); ++slot) {
-      const Tetrahedron& t = state_.tetrahedra[slot];
-      if (t[0] == kNone) continue;
-      std::array<std::uint32_t, 4> of{};
-      for (std::size_t k = 0; k < 4; ++k) {
-        of[k] = block_of_[t[k]];
-        bool is_new = of[k] != kNone;
-        for (std::size_t j = 0; j < k; ++j) is_new = is_new && of[j] != of[k];
-        if (is_new) slots_[of[k]].push_back(slot);
-      }
-    }
+    blocks_ = cut_mesh(state_.positions, std::move(there), state_.tetrahedra, kBlockSize,
+                       kShares[static_cast<std::size_t>(round) % kShares.size()], options_.threads);
   }
 
   /// Blocks with what is beside their vertices, as edges there belong to one block each.
@@ -80,15 +65,16 @@ class Rounds {
         if (v != state_.outside) stars[v].push_back(slot);
     const auto visit = [&](const auto& what) {
       parallel_for(blocks_.size(), options_.threads, 1, [&](std::size_t b, int worker) {
-        std::vector<std::uint32_t> vertices(blocks_.of(b).begin(), blocks_.of(b).end());
+        std::vector<std::uint32_t> vertices(blocks_.vertices.of(b).begin(),
+                                            blocks_.vertices.of(b).end());
         const std::size_t n = vertices.size();
-        for (const std::uint32_t slot : slots_[b])
+        for (const std::uint32_t slot : blocks_.slots[b])
           for (const std::uint32_t v : state_.tetrahedra[slot])
-            if (v != state_.outside && block_of_[v] != b) vertices.push_back(v);
+            if (v != state_.outside && blocks_.block_of[v] != b) vertices.push_back(v);
         const auto beside = vertices.begin() + static_cast<std::ptrdiff_t>(n);
         std::sort(beside, vertices.end());
         vertices.erase(std::unique(beside, vertices.end()), vertices.end());
-        std::vector<std::uint32_t> slots = slots_[b];
+        std::vector<std::uint32_t> slots = blocks_.slots[b];
         for (std::size_t i = n; i < vertices.size(); ++i)
           slots.insert(slots.end(), stars[vertices[i]].begin(), stars[vertices[i]].end());
         std::ranges::sort(slots);
@@ -115,11 +101,11 @@ class Rounds {
     std::vector<std::vector<EdgeFacts>> facts(blocks_.size());
     std::vector<std::uint64_t> n_gone(blocks_.size(), 0);
     parallel_for(blocks_.size(), options_.threads, 1, [&](std::size_t b, int worker) {
-      EdgeCollapser block(state_, blocks_.of(b), slots_[b],
+      EdgeCollapser block(state_, blocks_.vertices.of(b), blocks_.slots[b],
                           places_[static_cast<std::size_t>(worker)]);
       // No block may take more than its part of what is left to go.
-      const double part =
-          static_cast<double>(blocks_.of(b).size()) / static_cast<double>(blocks_.points.size());
+      const double part = static_cast<double>(blocks_.vertices.of(b).size()) /
+                          static_cast<double>(blocks_.vertices.points.size());
       block.run(limit, static_cast<std::uint64_t>(std::ceil(part * left)));
       block.write_back();
       n_gone[b] = block.n_cells_gone();
@@ -139,7 +125,7 @@ class Rounds {
   /// The key that a share of the vertices which may go is below.
   [[nodiscard]] float find_limit(double share) const {
     std::vector<float> keys;
-    for (const std::uint32_t v : blocks_.points)
+    for (const std::uint32_t v : blocks_.vertices.points)
       if (state_.is_locked[v] == 0 && std::isfinite(state_.keys[v])) keys.push_back(state_.keys[v]);
     if (keys.empty()) return 0;
     const auto at = static_cast<std::size_t>(share * static_cast<double>(keys.size()));
@@ -151,9 +137,7 @@ class Rounds {
   State& state_;
   std::vector<std::vector<std::uint32_t>> places_;  ///< By worker.
   double gain_ = 1.5;  ///< What share goes, against that of vertices that a limit lets.
-  SpaceBlocks blocks_;
-  std::vector<std::uint32_t> block_of_;            ///< By vertex.
-  std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
+  MeshBlocks blocks_;
 };
 
 /// Of all vertices that are left.

@@ -24,6 +24,7 @@ State::State(const TetraMesh& reference, CollapseOrder collapse_order, double to
       outside(static_cast<std::uint32_t>(reference.positions.size())),
       tetrahedra(reference.tetrahedra),
       next_sample(outside, kNone),
+      sample_corners(outside, kAllCorners),
       positions(reference.positions),
       is_reference(outside, 1),
       errors(n_fields * outside, 0),

@@ -56,7 +56,8 @@ struct State {
   std::vector<double> deviations;
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
   std::vector<CornerSets> corner_sets;      ///< By slot: of the same.
-  std::vector<std::uint32_t> next_sample;   ///< By vertex of the mesh that is no more in it.
+  std::vector<std::uint32_t> next_sample;   ///< By vertex of the mesh that is no more in it,
+  std::vector<CornerBits> sample_corners;   ///< and where it lies in what covers it.
 
   // By vertex; values, their codes and errors by field, too.
   std::vector<PositionCode> codes;
