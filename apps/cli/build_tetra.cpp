@@ -224,7 +224,9 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
   LODE_TRY(const TetraBuildOptions options, to_build_options(job.reading, {}));
   LODE_TRY(const double tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (options.placement == Placement::midpoint && job.is_everywhere)
-    return fail("--placement midpoint: expected no --everywhere with it");
+    return fail(
+        "--placement midpoint: expected no --everywhere with it, which follows half edges alone: "
+        "errors of midpoints hold at the mesh's vertices");
   if (options.placement == Placement::midpoint && job.keeps_extrema)
     return fail("--placement midpoint: expected no --keep-extrema with it, which moves vertices");
   if (job.is_everywhere && tolerance > 0)

@@ -216,8 +216,8 @@ Command add_build_command(CLI::App& program) {
                   "(default: 0, they stay in their planes)")
       ->type_name("D");
   app->add_flag("--everywhere", arguments->is_everywhere,
-                "Of a mesh: errors hold at all points (default: at its own vertices alone); takes "
-                "a few times as long");
+                "Of a mesh, by half edges: errors hold at all points (default: at its own vertices "
+                "alone); takes a few times as long");
   app->add_flag(
       "--keep-extrema", arguments->keeps_extrema,
       "Of a mesh: vertices with a value above or below all beside them in the mesh itself "

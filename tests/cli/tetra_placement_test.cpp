@@ -290,7 +290,7 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
   };
   const std::string model = scratch_ / "out.lode";
   refused({"build", input_, model, "--placement", "midpoint", "--everywhere"},
-          "--placement midpoint: expected no --everywhere with it");
+          "--placement midpoint: expected no --everywhere with it, which follows half edges alone");
   EXPECT_FALSE(std::ifstream(model).is_open());
   refused({"build", input_, model, "--placement", "centre"},
           "expected half-edge or midpoint, got 'centre'");

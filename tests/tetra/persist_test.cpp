@@ -19,6 +19,7 @@
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
+#include "lode/models/tetra_mt/page_primers.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
@@ -351,6 +352,44 @@ TEST_F(tetra_file, that_lies_is_refused_or_gives_something_but_does_no_harm) {
     for (const Tetrahedron& t : cut.cells())
       for (const std::uint32_t v : t) EXPECT_LT(v, opened->hierarchy.head().outside());
     static_cast<void>(cut.check());
+  }
+}
+
+/// Other pages begin with what these taught.
+TEST_F(tetra_file, of_which_a_primer_is_damaged_says_so_whatever_page_is_asked_for) {
+  const auto reader = store::Reader::open(path_);
+  ASSERT_TRUE(reader);
+  std::ifstream in(path_, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  const std::uint32_t n_pages = n_pages_of(hierarchy_.n_nodes());
+  ASSERT_GT(n_pages, kMostPrimers);
+  const std::string part = path_ + ".part.lode";
+  for (const Kind kind : {Kind::links, Kind::field, Kind::gradients}) {
+    const auto primers = primers_of(
+        n_pages + (kind == Kind::gradients ? n_pages_of(hierarchy_.n_base_vertices) : 0));
+    const store::BlockKey key = key_of(kind, primers[1]);
+    const auto block = std::ranges::find(reader->blocks(), key, &store::BlockEntry::key);
+    ASSERT_NE(block, reader->blocks().end());
+    std::string damaged = bytes;
+    damaged[block->offset + block->stored_size / 2] ^= 1;
+    std::ofstream(part, std::ios::binary | std::ios::trunc) << damaged;
+    const auto opened = open(part);
+    ASSERT_TRUE(opened) << opened.error().message;
+    const auto expect_named = [&](const auto& result) {
+      ASSERT_FALSE(result);
+      EXPECT_NE(result.error().message.find(part), std::string::npos) << result.error().message;
+      EXPECT_NE(result.error().message.find(store::describe(key)), std::string::npos)
+          << result.error().message;
+    };
+    ASSERT_EQ(std::ranges::count(primers, 0U), 0);
+    const auto codes = opened->gradients(0, 0);
+    EXPECT_EQ(codes.has_value(), kind != Kind::gradients);
+    if (kind == Kind::gradients) expect_named(codes);
+    static_cast<void>(opened->hierarchy.bounds(0));
+    EXPECT_EQ(opened->hierarchy.check().has_value(), kind != Kind::links);
+    static_cast<void>(opened->hierarchy.facts(0, 0));
+    if (kind != Kind::gradients) expect_named(opened->hierarchy.check());
+    if (kind == Kind::gradients) EXPECT_TRUE(opened->hierarchy.check());
   }
 }
 
