@@ -49,21 +49,24 @@ void add_slots(std::span<const std::uint32_t> block_of, std::span<const Tetrahed
   }
 }
 
-/// By block, ascending: parts of all slots first, then these one after the other.
+/// By block, ascending: few parts of all slots first, as each has a list for every block, then
+/// these one after the other.
 BlockSlots find_slots(const MeshBlocks& blocks, std::span<const Tetrahedron> tetrahedra,
                       Threads threads) {
-  constexpr std::size_t kPart = 1U << 16;
+  constexpr std::size_t kMostParts = 16;
+  constexpr std::size_t kSmallest = 1U << 16;
   const std::size_t n = tetrahedra.size();
-  std::vector<BlockSlots> parts((n + kPart - 1) / kPart, BlockSlots(blocks.size()));
+  const std::size_t size = std::max(kSmallest, (n + kMostParts - 1) / kMostParts);
+  std::vector<BlockSlots> parts((n + size - 1) / size, BlockSlots(blocks.size()));
   parallel_for(parts.size(), threads, 1, [&](std::size_t i, int) {
-    add_slots(blocks.block_of, tetrahedra, static_cast<std::uint32_t>(i * kPart),
-              static_cast<std::uint32_t>(std::min(n, (i + 1) * kPart)), parts[i]);
+    add_slots(blocks.block_of, tetrahedra, static_cast<std::uint32_t>(i * size),
+              static_cast<std::uint32_t>(std::min(n, (i + 1) * size)), parts[i]);
   });
   BlockSlots slots(blocks.size());
   parallel_for(blocks.size(), threads, 1, [&](std::size_t b, int) {
-    std::size_t size = 0;
-    for (const BlockSlots& part : parts) size += part[b].size();
-    slots[b].reserve(size);
+    std::size_t n_slots = 0;
+    for (const BlockSlots& part : parts) n_slots += part[b].size();
+    slots[b].reserve(n_slots);
     for (const BlockSlots& part : parts)
       slots[b].insert(slots[b].end(), part[b].begin(), part[b].end());
   });
