@@ -253,8 +253,9 @@ Result<void> run_simplified(const VolumeCase& volume_case, const Volume& volume,
   const TwoSidedDistance other = measure_distance(peer.surface(), decimated, voxel / 3, kThreads);
   const std::string name = style == SurfaceStyle::cubes ? "simplified_cubes/" : "simplified/";
   table.add(versus(name + volume_case.name, ours, "vtkFlyingEdges3D + vtkQuadricDecimation", theirs,
-                   fmt::format("in voxels, measured from and to full resolution: ours {:.3f} and "
+                   fmt::format("in voxels, measured from and to full resolution{}: ours {:.3f} and "
                                "{:.3f} (proven {:.3f}), theirs {:.3f} and {:.3f}",
+                               style == SurfaceStyle::cubes ? ", in cubes" : "",
                                own.from_first / voxel, own.from_second / voxel, proven / voxel,
                                other.from_first / voxel, other.from_second / voxel)));
   return {};

@@ -218,11 +218,11 @@ std::string extraction_text(const Extraction& extraction) {
   Table table;
   table.add({extraction.options.isovalues.size() == 1 ? "isovalue" : "isovalues", isovalues});
   table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
-  table.add({"achieved error", format_number(report.achieved_error)});
+  const char* const when = report.simplified ? ", before it was simplified" : "";
+  table.add({"achieved error", format_number(report.achieved_error) + when});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
   if (report.topology) table.add({"topology", describe_topology(report)});
   if (extraction.options.style == SurfaceStyle::cubes) {
-    const char* when = report.simplified ? ", before it was simplified" : "";
     const bool has_holes = extraction.input.dataset.describe().n_holes > 0;
     table.add({"style", report.max_error > 0 ? "cubes within the max error, tetrahedra elsewhere"
                         : extraction.options.style_distance
@@ -231,7 +231,8 @@ std::string extraction_text(const Extraction& extraction) {
                                     : "cubes: vertices on grid edges alone"});
     const double error = std::max(report.style_error, report.achieved_error);
     table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});
-    table.add({"cubes", fmt::format("at most {} from F = isovalue, measured in {}",
+    table.add({"cubes", fmt::format("their points at most {} from F = isovalue, measured in {}; "
+                                    "how far that is from them, verify measures",
                                     format_number(report.style_distance),
                                     format_seconds(report.seconds.measure))});
   }
@@ -267,9 +268,10 @@ std::string extraction_text(const Extraction& extraction) {
 SurfaceWriteOptions note_of(const ExtractReport& report, const std::vector<double>& isovalues,
                             const ExtractOptions& options, const Input& input) {
   return {.comment =
-              fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}", LODE_VERSION,
-                          isovalues.size() == 1 ? "isovalue" : "isovalues",
+              fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}{}",
+                          LODE_VERSION, isovalues.size() == 1 ? "isovalue" : "isovalues",
                           fmt::join(isovalues, " "), report.max_error, report.achieved_error,
+                          report.simplified ? " before it was simplified" : "",
                           options.style == SurfaceStyle::cubes
                               ? fmt::format(", style cubes{}, style_error {}",
                                             options.style_distance

@@ -36,9 +36,11 @@ namespace {
 
 Result<void> apply_max_distance(double distance, ExtractOptions& options) {
   static constexpr const char* kExpected =
-      "--max-distance: expected no {} with it unless --simplify is, {}";
+      "--max-distance: expected no {} with it unless --simplify or --remove-slivers is, {}";
   if (options.style == SurfaceStyle::cubes)
-    return fail(kExpected, "--style cubes", "as it is of full resolution already");
+    return fail(kExpected, "--style cubes",
+                "as it is of full resolution already; how far cubes may be from the level set says "
+                "--style-distance");
   if (options.border == Border::closed)
     return fail(kExpected, "--close-border", "as caps are not proven");
   if (options.clip) return fail(kExpected, "--clip", "whose planes part what lies near");
@@ -70,6 +72,11 @@ Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractO
   if (!options.max_error && options.simplify_distance) options.max_error = 0;
   if (options.max_error == 0.0 && !options.simplify_distance)
     return fail("--simplify: expected --max-error > 0 or --max-distance with it, got neither");
+  if (options.max_error != 0.0 && options.min_component > 1)
+    return fail(
+        "{}: expected no --min-component with it within --max-error, which drops pieces by "
+        "their distance from the isovalue",
+        arguments.name());
   if (options.max_error != 0.0 && options.clip)
     return fail("{}: expected no --clip with it within --max-error, of which a part has no proof",
                 arguments.name());

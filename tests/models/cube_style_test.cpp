@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -356,6 +358,62 @@ TEST(cube_style, has_the_same_bytes_with_every_kind_of_vector_and_any_threads) {
     expect_same_bytes<std::int16_t>(dims);
     expect_same_bytes<float>(dims);
     expect_same_bytes<double>(dims);
+  }
+}
+
+/// From each vertex of one surface to the other.
+double farthest_vertex(const Surface& from, const Surface& to) {
+  const std::vector<std::array<Vec3d, 3>> triangles = corners_of(to);
+  double farthest = 0;
+  for (std::size_t v = 0; v < from.positions.size(); ++v) {
+    const Vec3d p = from.world_position(static_cast<std::uint32_t>(v));
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& t : triangles) nearest = std::min(nearest, distance_to_triangle(p, t));
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+/// Points of the level set may be farther from cubes than any of theirs is from it.
+TEST(cube_style, verification_says_how_far_cubes_and_the_level_set_are_apart) {
+  RegularGrid grid;
+  grid.dims = {{5, 4, 4}};
+  grid.spacing = {{0.5, 1, 0.75}};
+  std::mt19937 random(4);
+  const Volume volume = oracles::volume_of<float>(
+      grid, [&](const Index3&) { return static_cast<double>(random() % 4); });
+  const Dataset dataset = dataset_of(volume);
+  const Surface tetra = styled(dataset, 1.5, SurfaceStyle::tetra, Normals::off);
+  for (const Simplify simplify : {Simplify::off, Simplify::edges}) {
+    ExtractOptions options{.isovalues = {1.5}, .max_error = 0, .style = SurfaceStyle::cubes};
+    options.simplify = simplify;
+    if (simplify != Simplify::off) options.simplify_distance = 0.4;
+    Progress progress;
+    Surface surface;
+    ASSERT_TRUE(dataset.extract(options, surface, progress));
+    const auto report = dataset.verify_surface(surface, options, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->passed());
+    const auto check = std::ranges::find(report->checks,
+                                         "distance from the level set at full "
+                                         "resolution and back",
+                                         &VerifyReport::Check::name);
+    ASSERT_NE(check, report->checks.end());
+    double there = 0;
+    double back = 0;
+    double there_at_most = 0;
+    double back_at_most = 0;
+    ASSERT_EQ(std::sscanf(check->detail.c_str(), "measured %lf and %lf, at most %lf and %lf",
+                          &there, &back, &there_at_most, &back_at_most),
+              4);
+    constexpr double kGrid = 0.05;  // of distance_to_triangle()
+    EXPECT_LE(farthest_vertex(surface, tetra), there_at_most + kGrid);
+    EXPECT_LE(farthest_vertex(tetra, surface), back_at_most + kGrid);
+    EXPECT_GE(farthest_vertex(tetra, surface), 0.5 * back);
+    EXPECT_LE(there, there_at_most);
+    EXPECT_LE(there_at_most - there, 0.5 / 16);
+    EXPECT_LE(back_at_most - back, 0.5 / 16);
+    EXPECT_GT(back, 0.3);
   }
 }
 

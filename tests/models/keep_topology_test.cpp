@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string_view>
 #include <vector>
 
 #include "lode/api/dataset.h"
@@ -303,6 +304,41 @@ TEST(keep_topology, between_holes) {
     const auto kept = check_topology(surface_of(dataset, 0.2, kAny, 0.0), {});
     ASSERT_EQ(kept.components.size(), full.components.size());
     EXPECT_EQ(kept.euler_number, full.euler_number);
+  }
+}
+
+const VerifyReport::Check* check_of(const VerifyReport& report, std::string_view begin) {
+  const auto found = std::ranges::find_if(
+      report.checks, [&](const auto& check) { return check.name.starts_with(begin); });
+  return found == report.checks.end() ? nullptr : &*found;
+}
+
+/// All but which pieces may go, of which it says so.
+TEST(keep_topology, with_a_persistence_is_verified) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{33, 30, 35}}, 5, 2));
+  for (const bool is_simplified : {false, true}) {
+    ExtractOptions options{.isovalues = {0.2}, .max_error = 0.6, .keep_topology = 0.1};
+    if (is_simplified) options.simplify = Simplify::edges;
+    Progress progress;
+    Surface surface;
+    ASSERT_TRUE(dataset.extract(options, surface, progress));
+    const auto report = dataset.verify_surface(surface, options, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->passed());
+    const auto* const pieces = check_of(*report, "pieces as at full resolution");
+    EXPECT_EQ(pieces != nullptr, !is_simplified);
+    if (pieces != nullptr) EXPECT_TRUE(pieces->skipped);
+    if (is_simplified) continue;
+    // Without the persistence it is another cut, and so it is without a triangle.
+    ExtractOptions others = options;
+    others.keep_topology = 0;
+    EXPECT_FALSE(dataset.verify_surface(surface, others, progress)->passed());
+    surface.triangles.pop_back();
+    const auto torn = dataset.verify_surface(surface, options, progress);
+    ASSERT_TRUE(torn);
+    const auto* const complete = check_of(*torn, "complete");
+    ASSERT_NE(complete, nullptr);
+    EXPECT_FALSE(complete->passed);
   }
 }
 

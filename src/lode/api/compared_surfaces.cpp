@@ -78,6 +78,20 @@ Result<void> add_distance(const Surface& surface, const Surface& other, const ch
   return {};
 }
 
+Result<void> note_distance(const Surface& surface, const Surface& other, const char* whose,
+                           double accuracy, Threads threads, Progress& progress,
+                           VerifyReport& report) {
+  if (!surface.lines.empty()) return {};
+  LODE_TRY(const SurfaceDistance distance,
+           measure_distance(surface, other, {accuracy, threads}, progress));
+  report.add(fmt::format("distance from the level set {} and back", whose),
+             surface.triangles.size() + other.triangles.size(), 0,
+             fmt::format("measured {} and {}, at most {} and {}; none is promised",
+                         distance.from_first.lower, distance.from_second.lower,
+                         distance.from_first.upper, distance.from_second.upper));
+  return {};
+}
+
 namespace {
 
 /// Of the first triangles, about; > 0.

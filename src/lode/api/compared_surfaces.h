@@ -30,6 +30,12 @@ void add_kept_pieces(const Surface& surface, const Surface& before, Threads thre
                                         const char* whose, double max_distance, Threads threads,
                                         Progress& progress, VerifyReport& report);
 
+/// Likewise, where no distance is promised: no more than says how far. `accuracy`:
+/// DistanceOptions'.
+[[nodiscard]] Result<void> note_distance(const Surface& surface, const Surface& other,
+                                         const char* whose, double accuracy, Threads threads,
+                                         Progress& progress, VerifyReport& report);
+
 enum class MayDrop : std::uint8_t { no, yes };
 
 /// Whether pieces of a simplified surface face as before, some of which it may have dropped: closed

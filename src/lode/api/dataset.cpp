@@ -186,12 +186,6 @@ Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads thr
 
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
                                              Progress& progress) const try {
-  if (options.keep_topology.value_or(0) > 0)
-    return fail(
-        "verifying a surface: expected keep_topology without a persistence, got {}: which pieces "
-        "of "
-        "full resolution may go is not checked",
-        *options.keep_topology);
   LODE_CHECK(check_extraction(*impl_, options));
   const double tolerance = tolerance_of(impl_->summary().stats, options);
   ExtractOptions again = before_simplification(options, tolerance);
@@ -202,11 +196,17 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   Surface full;
   const bool needs_full =
       options.max_distance || options.keep_topology || has_band(options, tolerance);
-  if (needs_full) {
-    again.keep_topology.reset();
-    again.max_distance.reset();
-    again.max_error = 0;
+  again.keep_topology.reset();
+  again.max_distance.reset();
+  again.max_error = 0;
+  if (needs_full)
     if (auto done = extract(again, full, progress); !done) return done.error();
+  Surface level_set;
+  const bool has_cubes = options.style == SurfaceStyle::cubes && tolerance == 0;
+  if (has_cubes) {
+    again.style = SurfaceStyle::tetra;
+    again.style_distance.reset();
+    if (auto done = extract(again, level_set, progress); !done) return done.error();
   }
   LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
@@ -217,8 +217,9 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
              .tolerance = options.max_distance ? report.achieved_error : tolerance,
              .style_error = report.style_error,
              .full_resolution = needs_full ? &full : nullptr,
+             .level_set = has_cubes ? &level_set : nullptr,
              .max_distance = options.max_distance.value_or(0),
-             .keeps_topology = options.keep_topology.has_value()},
+             .keep_topology = options.keep_topology},
             options, progress);
       },
       *held);

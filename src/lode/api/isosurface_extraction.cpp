@@ -230,9 +230,10 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   if (!asks_all) {
     if (options.memory_limit > 0 && is_too_large && impl.is_in_file() && impl.chunk_bytes() > limit)
       // What triangles may take beside the model is not counted where it is too large alone.
-      return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
-                  std::min(impl.chunk_bytes(), whole) / 1'000'000 + 1, impl.info().grid.n_samples(),
-                  size_of(impl.info().type), limit / 1'000'000);
+      return fail(
+          "expected a memory limit of at least {} MB for {} samples of {} bytes, got {:g} MB",
+          std::min(impl.chunk_bytes(), whole) / 1'000'000 + 1, impl.info().grid.n_samples(),
+          size_of(impl.info().type), 1e-6 * static_cast<double>(limit));
     // Whatever was asked before, and is in memory for it.
     const bool beside_model = is_too_large && impl.model_bytes() <= limit;
     LODE_TRY(plan.chunks, impl.chunks(limit, beside_model));
@@ -245,13 +246,13 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
     plan.chunks = nullptr;
   if (need != nullptr && plan.chunks != nullptr)
     return fail(
-        "{}: expected a memory limit of at least {} MB, as it needs the whole model, got {} MB",
-        need, whole / 1'000'000 + 1, limit / 1'000'000);
+        "{}: expected a memory limit of at least {} MB, as it needs the whole model, got {:g} MB",
+        need, whole / 1'000'000 + 1, 1e-6 * static_cast<double>(limit));
   if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
     return fail(
         "expected a memory limit of at least {} MB to close the surface of a field with holes, got "
-        "{} MB",
-        whole / 1'000'000 + 1, limit / 1'000'000);
+        "{:g} MB",
+        whole / 1'000'000 + 1, 1e-6 * static_cast<double>(limit));
   return plan;
 }
 

@@ -138,8 +138,8 @@ Result<void> check_memory(const Dataset::Impl& impl, const LiveQueryOptions& opt
   if (options.memory_limit == 0 || impl.model_bytes() <= options.memory_limit) return {};
   return fail(
       "expected a memory limit of at least {} MB for pixel errors of a file that was built before "
-      "files had world errors, got {} MB; build it again",
-      impl.model_bytes() / 1'000'000 + 1, options.memory_limit / 1'000'000);
+      "files had world errors, got {:g} MB; build it again",
+      impl.model_bytes() / 1'000'000 + 1, 1e-6 * static_cast<double>(options.memory_limit));
 }
 
 std::unique_ptr<LiveQuery> open_in_memory(const Dataset::Impl::AnyModel& in_memory,

@@ -216,8 +216,8 @@ auto with_nodes(const Dataset::Impl& impl, std::uint64_t memory_limit, bool read
           *pages);
   }
   if (memory_limit > 0 && is_too_large)
-    return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
-                impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+    return fail("expected a memory limit of at least {} MB for a field with holes, got {:g} MB",
+                impl.model_bytes() / 1'000'000 + 1, 1e-6 * static_cast<double>(limit));
   LODE_TRY(const auto* const held, impl.model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {

@@ -135,11 +135,11 @@ Result<void> add_cuts(const Model<D>& model, const ExpectedSurface& expected,
                       const ExtractOptions& options, Progress& progress, VerifyReport& report) {
   std::optional<diamond::NodeSet<3>> wanted;
   if constexpr (D == 3)
-    if (expected.keeps_topology) {
+    if (expected.keep_topology) {
       wanted.emplace(model.shape);
       for (const double isovalue : options.isovalues) {
-        LODE_TRY(const auto critical,
-                 diamond::find_critical_nodes(model, {isovalue, 0, options.threads}, progress));
+        const diamond::CriticalQuery query{isovalue, *expected.keep_topology, options.threads};
+        LODE_TRY(const auto critical, diamond::find_critical_nodes(model, query, progress));
         wanted->join(critical.nodes);
       }
     }
@@ -237,6 +237,19 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
   return {};
 }
 
+/// How far what comes of cubes and the level set are from each other: nothing is promised of it.
+template <int D>
+Result<VerifyReport> note_cubes(const Model<D>& model, const Surface& surface,
+                                const ExpectedSurface& expected, Threads threads,
+                                Progress& progress, VerifyReport report) {
+  constexpr double kAccuracy = 1.0 / 32;  // of a sample's width
+  if (expected.level_set == nullptr) return report;
+  const double width = std::ranges::min(model.info.grid.spacing.v);
+  LODE_CHECK(note_distance(surface, *expected.level_set, kFullResolution, kAccuracy * width,
+                           threads, progress, report));
+  return report;
+}
+
 }  // namespace
 
 template <int D>
@@ -253,21 +266,25 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   add_crossings(surface, crossings, report);
   if (options.simplify != Simplify::off) {  // no level set any more, but near one
     LODE_CHECK(add_simplified(model, surface, expected, options, progress, report));
-    return report;
+    return note_cubes(model, surface, expected, options.threads, progress, std::move(report));
   }
   LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
   add_boundary(surface, boundary, is_closed, report);
   add_match(expected.surface, surface, report);
-  if (expected.keeps_topology)
+  if (expected.keep_topology.value_or(1) == 0)
     add_pieces(surface, *expected.full_resolution, kFullResolution, options.threads, report);
+  else if (expected.keep_topology)
+    report.skip(fmt::format("pieces as {}", kFullResolution),
+                fmt::format("not looked at: which of them may go with a persistence of {}",
+                            *expected.keep_topology));
   if (expected.max_distance > 0) {
     LODE_CHECK(add_distance(surface, *expected.full_resolution, kFullResolution,
                             expected.max_distance, options.threads, progress, report));
     return report;
   }
   LODE_CHECK(add_cuts(model, expected, options, progress, report));
-  return report;
+  return note_cubes(model, surface, expected, options.threads, progress, std::move(report));
 }
 
 template Result<VerifyReport> verify_model_surface<2>(const Model<2>&, const Surface&,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "lode/api/dataset.h"
 #include "lode/models/diamond/model.h"
 #include "lode/models/diamond/rebuild_check.h"
@@ -37,9 +39,12 @@ struct ExpectedSurface {
   /// Where what the query makes, or simplification, is held against it: the surface of full
   /// resolution.
   const Surface* full_resolution = nullptr;
-  double max_distance =
-      0;  ///< How far it may be from that, in place of the cut's own checks; or 0.
-  bool keeps_topology = false;  ///< Whether its pieces are to be like those.
+  /// Of cubes at full resolution: the level set there, from which they keep no distance.
+  const Surface* level_set = nullptr;
+  /// How far it may be from full resolution, in place of the cut's own checks; or 0.
+  double max_distance = 0;
+  /// Its pieces are to be like those; or, with a persistence, some of these.
+  std::optional<double> keep_topology{};
 };
 
 /// Checks a surface against the model's samples, and against what the query makes; see
