@@ -8,6 +8,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_distance.h"
+#include "lode/mappers/surface_edits.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/side_check.h"
 #include "tests/models/built_dataset.h"
@@ -94,6 +95,22 @@ TEST(simplified_band, holds_on_rough_fields_of_all_types) {
   expect_small_and_true(rough_volume<float>(along_x, 1, 5), -0.1, 0.3);
   const auto along_y = trials<Index3>({{18, 67, 20}}, {{12, 67, 12}});
   expect_small_and_true(rough_volume<double>(along_y, 1e-7, 6), 1e-8, 2e-8);
+}
+
+TEST(simplified_band, and_distance_keep_the_same_triangles_whichever_way_they_face) {
+  const Dataset dataset = test::built_dataset(rough_volume<float>({{24, 18, 16}}, 1, 4));
+  for (const bool is_within_distance : {false, true}) {
+    ExtractOptions options{.isovalues = {0.1}, .max_error = 0.1, .normals = Normals::on};
+    options.simplify = Simplify::edges;
+    if (is_within_distance) {
+      options.max_error = 0;
+      options.simplify_distance = 0.4;
+    }
+    Surface turned = simplified(dataset, options).surface;
+    flip_orientation(turned);
+    options.orientation = Orientation::from_higher_values;
+    expect_same(simplified(dataset, options).surface, turned);
+  }
 }
 
 TEST(simplified_band, holds_on_noise_and_of_uint8) {

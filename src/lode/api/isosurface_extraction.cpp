@@ -44,12 +44,16 @@ Result<void> finish_surface(const Dataset::Impl& impl, const FieldFacts& field,
                             Surface& surface, ExtractReport& report, Progress& progress) {
   const Stopwatch watch;
   if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
-  const Dropped dropped = finish_edits(options, surface);
+  const bool is_simplified = options.simplify != Simplify::off;
+  ExtractOptions edits = options;
+  // Simplified alike whichever way it is to face.
+  if (is_simplified) edits.orientation = Orientation::from_lower_values;
+  const Dropped dropped = finish_edits(edits, surface);
   report.components_dropped = dropped.components;
   report.triangles_dropped = dropped.cells;
   report.seconds.finish += watch.seconds();
-  if (options.simplify != Simplify::off)
-    LODE_CHECK(simplify(impl, options, start, surface, report, progress));
+  if (is_simplified) LODE_CHECK(simplify(impl, options, start, surface, report, progress));
+  if (edits.orientation != options.orientation) flip_orientation(surface);
   report.triangles = surface.triangles.size();
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
