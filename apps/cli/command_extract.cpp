@@ -231,10 +231,11 @@ std::string extraction_text(const Extraction& extraction) {
                                     : "cubes: vertices on grid edges alone"});
     const double error = std::max(report.style_error, report.achieved_error);
     table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});
-    table.add({"cubes", fmt::format("their points at most {} from F = isovalue, measured in {}; "
-                                    "how far that is from them, verify measures",
-                                    format_number(report.style_distance),
-                                    format_seconds(report.seconds.measure))});
+    table.add(
+        {"cubes",
+         fmt::format("their points at most {} from F = isovalue, measured in {}{}",
+                     format_number(report.style_distance), format_seconds(report.seconds.measure),
+                     report.max_error > 0 ? "" : "; how far that is from them, verify measures")});
   }
   add_salvage(table, extraction.input.dataset.salvaged(), report.achieved_error);
   table.add(

@@ -417,5 +417,55 @@ TEST(cube_style, verification_says_how_far_cubes_and_the_level_set_are_apart) {
   }
 }
 
+/// Whatever else is found: cubes of isovalues near each other may meet.
+VerifyReport::Check level_set_check(const Dataset& dataset, const ExtractOptions& options) {
+  Progress progress;
+  Surface surface;
+  EXPECT_TRUE(dataset.extract(options, surface, progress));
+  const auto report = dataset.verify_surface(surface, options, progress);
+  EXPECT_TRUE(report);
+  for (const VerifyReport::Check& check : report->checks)
+    if (check.name.starts_with("distance from the level set")) return check;
+  return {};
+}
+
+/// What is near may be of another isovalue.
+TEST(cube_style, verification_measures_the_distance_of_each_isovalue_by_itself) {
+  RegularGrid grid;
+  grid.dims = {{9, 8, 7}};
+  std::mt19937 random(5);
+  const Volume volume = oracles::volume_of<float>(
+      grid, [&](const Index3&) { return static_cast<double>(random() % 100); });
+  const Dataset dataset = dataset_of(volume);
+  const auto measured = [&](const std::vector<double>& isovalues) {
+    const auto check = level_set_check(
+        dataset, {.isovalues = isovalues, .max_error = 0, .style = SurfaceStyle::cubes});
+    std::array<double, 2> ways{};
+    EXPECT_EQ(std::sscanf(check.detail.c_str(), "measured %lf and %lf", &ways[0], &ways[1]), 2);
+    return ways;
+  };
+  const auto lower = measured({50.5});
+  const auto higher = measured({60.5});
+  const auto both = measured({50.5, 60.5});
+  for (std::size_t way = 0; way < 2; ++way)
+    EXPECT_NEAR(both[way], std::max(lower[way], higher[way]), 1e-9);
+}
+
+TEST(cube_style, verification_says_where_it_does_not_measure_the_distance) {
+  RegularGrid grid;
+  grid.dims = {{9, 8, 7}};
+  std::mt19937 random(5);
+  const Volume volume = oracles::volume_of<float>(
+      grid, [&](const Index3&) { return static_cast<double>(random() % 100); });
+  const Dataset dataset = dataset_of(volume);
+  ExtractOptions options{.isovalues = {90.5}, .max_error = 0, .style = SurfaceStyle::cubes};
+  EXPECT_FALSE(level_set_check(dataset, options).skipped);
+  options.min_component = 40;
+  EXPECT_TRUE(level_set_check(dataset, options).skipped);
+  options.min_component = 0;
+  options.max_error = 20;
+  EXPECT_TRUE(level_set_check(dataset, options).skipped);
+}
+
 }  // namespace
 }  // namespace lode

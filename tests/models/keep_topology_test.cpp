@@ -332,7 +332,9 @@ TEST(keep_topology, with_a_persistence_is_verified) {
     // Without the persistence it is another cut, and so it is without a triangle.
     ExtractOptions others = options;
     others.keep_topology = 0;
-    EXPECT_FALSE(dataset.verify_surface(surface, others, progress)->passed());
+    const auto other = dataset.verify_surface(surface, others, progress);
+    ASSERT_TRUE(other);
+    EXPECT_FALSE(other->passed());
     surface.triangles.pop_back();
     const auto torn = dataset.verify_surface(surface, options, progress);
     ASSERT_TRUE(torn);

@@ -99,12 +99,14 @@ TEST(simplified_band, holds_on_rough_fields_of_all_types) {
 
 TEST(simplified_band, and_distance_keep_the_same_triangles_whichever_way_they_face) {
   const Dataset dataset = test::built_dataset(rough_volume<float>({{24, 18, 16}}, 1, 4));
-  for (const bool is_within_distance : {false, true}) {
+  enum class Case : std::uint8_t { error, distance, slivers };
+  for (const Case which : {Case::error, Case::distance, Case::slivers}) {
     ExtractOptions options{.isovalues = {0.1}, .max_error = 0.1, .normals = Normals::on};
-    options.simplify = Simplify::edges;
-    if (is_within_distance) {
+    options.simplify = which == Case::slivers ? Simplify::slivers : Simplify::edges;
+    if (which != Case::error) {
       options.max_error = 0;
       options.simplify_distance = 0.4;
+      options.min_component = 30;
     }
     Surface turned = simplified(dataset, options).surface;
     flip_orientation(turned);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -58,6 +59,42 @@ void add_kept_pieces(const Surface& surface, const Surface& before, Threads thre
              fmt::format("{} pieces of {}", found.size(), wanted.size()));
 }
 
+namespace {
+
+/// The triangles of one isovalue; all vertices.
+Surface part_of(const Surface& surface, float isovalue) {
+  Surface part;
+  part.origin = surface.origin;
+  part.positions = surface.positions;
+  for (const auto& t : surface.triangles)
+    if (surface.isovalues[t[0]] == isovalue) part.triangles.push_back(t);
+  return part;
+}
+
+/// Of each isovalue by itself, as what is near may be of another one, where vertices tell theirs.
+Result<SurfaceDistance> measure_by_isovalue(const Surface& surface, const Surface& other,
+                                            const DistanceOptions& options, Progress& progress) {
+  std::set<float> isovalues(surface.isovalues.begin(), surface.isovalues.end());
+  isovalues.insert(other.isovalues.begin(), other.isovalues.end());
+  if (surface.isovalues.empty() || other.isovalues.empty() || isovalues.size() == 1)
+    return measure_distance(surface, other, options, progress);
+  SurfaceDistance largest;
+  const auto raise = [](DistanceBounds& to, const DistanceBounds& by) {
+    to.lower = std::max(to.lower, by.lower);
+    to.upper = std::max(to.upper, by.upper);
+  };
+  for (const float isovalue : isovalues) {
+    LODE_TRY(
+        const SurfaceDistance here,
+        measure_distance(part_of(surface, isovalue), part_of(other, isovalue), options, progress));
+    raise(largest.from_first, here.from_first);
+    raise(largest.from_second, here.from_second);
+  }
+  return largest;
+}
+
+}  // namespace
+
 Result<void> add_distance(const Surface& surface, const Surface& other, const char* whose,
                           double max_distance, Threads threads, Progress& progress,
                           VerifyReport& report) {
@@ -68,7 +105,7 @@ Result<void> add_distance(const Surface& surface, const Surface& other, const ch
   }
   constexpr double kAccuracy = 1.0 / 16;
   LODE_TRY(const SurfaceDistance distance,
-           measure_distance(surface, other, {kAccuracy * max_distance, threads}, progress));
+           measure_by_isovalue(surface, other, {kAccuracy * max_distance, threads}, progress));
   const double allowed = max_distance + file_rounding(surface, other);
   report.add(name, surface.triangles.size() + other.triangles.size(),
              distance.lower() <= allowed ? 0 : 1,
@@ -78,14 +115,16 @@ Result<void> add_distance(const Surface& surface, const Surface& other, const ch
   return {};
 }
 
-Result<void> note_distance(const Surface& surface, const Surface& other, const char* whose,
-                           double accuracy, Threads threads, Progress& progress,
-                           VerifyReport& report) {
+const char* level_set_distance_name() {
+  return "distance from the level set at full resolution and back";
+}
+
+Result<void> note_distance(const Surface& surface, const Surface& level_set, double accuracy,
+                           Threads threads, Progress& progress, VerifyReport& report) {
   if (!surface.lines.empty()) return {};
   LODE_TRY(const SurfaceDistance distance,
-           measure_distance(surface, other, {accuracy, threads}, progress));
-  report.add(fmt::format("distance from the level set {} and back", whose),
-             surface.triangles.size() + other.triangles.size(), 0,
+           measure_by_isovalue(surface, level_set, {accuracy, threads}, progress));
+  report.add(level_set_distance_name(), surface.triangles.size() + level_set.triangles.size(), 0,
              fmt::format("measured {} and {}, at most {} and {}; none is promised",
                          distance.from_first.lower, distance.from_second.lower,
                          distance.from_first.upper, distance.from_second.upper));

@@ -25,16 +25,17 @@ void add_pieces(const Surface& surface, const Surface& other, const char* whose,
 void add_kept_pieces(const Surface& surface, const Surface& before, Threads threads,
                      VerifyReport& report);
 
-/// Measures how far the two are from each other.
+/// Measures how far the two are from each other, of each isovalue by itself.
 [[nodiscard]] Result<void> add_distance(const Surface& surface, const Surface& other,
                                         const char* whose, double max_distance, Threads threads,
                                         Progress& progress, VerifyReport& report);
 
-/// Likewise, where no distance is promised: no more than says how far. `accuracy`:
-/// DistanceOptions'.
-[[nodiscard]] Result<void> note_distance(const Surface& surface, const Surface& other,
-                                         const char* whose, double accuracy, Threads threads,
-                                         Progress& progress, VerifyReport& report);
+/// Says how far a surface and the level set at full resolution are from each other, where nothing
+/// is promised of that. `accuracy`: DistanceOptions'.
+[[nodiscard]] Result<void> note_distance(const Surface& surface, const Surface& level_set,
+                                         double accuracy, Threads threads, Progress& progress,
+                                         VerifyReport& report);
+[[nodiscard]] const char* level_set_distance_name();
 
 enum class MayDrop : std::uint8_t { no, yes };
 

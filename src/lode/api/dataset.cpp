@@ -194,15 +194,17 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   Surface expected;
   LODE_TRY(const ExtractReport report, extract(again, expected, progress));
   Surface full;
-  const bool needs_full =
-      options.max_distance || options.keep_topology || has_band(options, tolerance);
+  const bool is_held_to_pieces =
+      options.keep_topology && (*options.keep_topology == 0 || options.simplify != Simplify::off);
+  const bool needs_full = options.max_distance || is_held_to_pieces || has_band(options, tolerance);
   again.keep_topology.reset();
   again.max_distance.reset();
   again.max_error = 0;
   if (needs_full)
     if (auto done = extract(again, full, progress); !done) return done.error();
   Surface level_set;
-  const bool has_cubes = options.style == SurfaceStyle::cubes && tolerance == 0;
+  const bool has_cubes =
+      options.style == SurfaceStyle::cubes && tolerance == 0 && options.min_component <= 1;
   if (has_cubes) {
     again.style = SurfaceStyle::tetra;
     again.style_distance.reset();

@@ -240,13 +240,19 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
 /// How far what comes of cubes and the level set are from each other: nothing is promised of it.
 template <int D>
 Result<VerifyReport> note_cubes(const Model<D>& model, const Surface& surface,
-                                const ExpectedSurface& expected, Threads threads,
+                                const ExpectedSurface& expected, const ExtractOptions& options,
                                 Progress& progress, VerifyReport report) {
   constexpr double kAccuracy = 1.0 / 32;  // of a sample's width
-  if (expected.level_set == nullptr) return report;
+  if (options.style != SurfaceStyle::cubes) return report;
+  if (expected.level_set == nullptr) {
+    report.skip(level_set_distance_name(), options.min_component > 1
+                                               ? "not measured where small pieces are left out"
+                                               : "not measured but within a max error of 0");
+    return report;
+  }
   const double width = std::ranges::min(model.info.grid.spacing.v);
-  LODE_CHECK(note_distance(surface, *expected.level_set, kFullResolution, kAccuracy * width,
-                           threads, progress, report));
+  LODE_CHECK(note_distance(surface, *expected.level_set, kAccuracy * width, options.threads,
+                           progress, report));
   return report;
 }
 
@@ -266,7 +272,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   add_crossings(surface, crossings, report);
   if (options.simplify != Simplify::off) {  // no level set any more, but near one
     LODE_CHECK(add_simplified(model, surface, expected, options, progress, report));
-    return note_cubes(model, surface, expected, options.threads, progress, std::move(report));
+    return note_cubes(model, surface, expected, options, progress, std::move(report));
   }
   LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
@@ -284,7 +290,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
     return report;
   }
   LODE_CHECK(add_cuts(model, expected, options, progress, report));
-  return note_cubes(model, surface, expected, options.threads, progress, std::move(report));
+  return note_cubes(model, surface, expected, options, progress, std::move(report));
 }
 
 template Result<VerifyReport> verify_model_surface<2>(const Model<2>&, const Surface&,
