@@ -429,14 +429,17 @@ VerifyReport::Check level_set_check(const Dataset& dataset, const ExtractOptions
   return {};
 }
 
-/// What is near may be of another isovalue.
-TEST(cube_style, verification_measures_the_distance_of_each_isovalue_by_itself) {
+Dataset noise_of_hundred_values() {
   RegularGrid grid;
   grid.dims = {{9, 8, 7}};
   std::mt19937 random(5);
-  const Volume volume = oracles::volume_of<float>(
-      grid, [&](const Index3&) { return static_cast<double>(random() % 100); });
-  const Dataset dataset = dataset_of(volume);
+  return dataset_of(oracles::volume_of<float>(
+      grid, [&](const Index3&) { return static_cast<double>(random() % 100); }));
+}
+
+/// What is near may be of another isovalue.
+TEST(cube_style, verification_measures_the_distance_of_each_isovalue_by_itself) {
+  const Dataset dataset = noise_of_hundred_values();
   const auto measured = [&](const std::vector<double>& isovalues) {
     const auto check = level_set_check(
         dataset, {.isovalues = isovalues, .max_error = 0, .style = SurfaceStyle::cubes});
@@ -452,12 +455,7 @@ TEST(cube_style, verification_measures_the_distance_of_each_isovalue_by_itself) 
 }
 
 TEST(cube_style, verification_says_where_it_does_not_measure_the_distance) {
-  RegularGrid grid;
-  grid.dims = {{9, 8, 7}};
-  std::mt19937 random(5);
-  const Volume volume = oracles::volume_of<float>(
-      grid, [&](const Index3&) { return static_cast<double>(random() % 100); });
-  const Dataset dataset = dataset_of(volume);
+  const Dataset dataset = noise_of_hundred_values();
   ExtractOptions options{.isovalues = {90.5}, .max_error = 0, .style = SurfaceStyle::cubes};
   EXPECT_FALSE(level_set_check(dataset, options).skipped);
   options.min_component = 40;
