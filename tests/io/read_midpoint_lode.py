@@ -29,7 +29,7 @@ LEAF, NEAR, FAR = range(3)
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 5, "unknown layout")
+    expect(c.take("I") == 6, "unknown layout")
     m["V"], m["P"], m["B"], m["R"] = c.take("4I")
     m["n_reference"], m["n_base"], m["T"] = c.take("3Q")
     m["box"], m["deviation"] = c.take("6d"), c.take("d")
@@ -141,13 +141,10 @@ class File:
     def read_cells(self):
         self.cells = []
         names = self.roots + [self.m["V"] + self.n]
-        for part, n in enumerate(parts(self.m["T"], 65536)):
-            c = Cursor(self.library, self.take(BASE_CELLS, part))
-            corners = [c.differences(n, 4).astype(int).tolist() for _ in range(4)]
-            marks = c.differences(n, 4).astype(int).tolist() if self.has_marks else [0] * n
-            c.end()
-            for i in range(n):
-                self.cells.append((tuple(names[corner[i]] for corner in corners), marks[i]))
+        walk = tetra.BaseWalk({**self.m, "B": len(self.roots), "N": 0}, Bits(self.take(BASE_CELLS, 0)))
+        walk.read()
+        for corners, mark in zip(walk.cells, walk.marks):
+            self.cells.append((tuple(names[v] for v in corners), mark))
 
     def steps(self):
         """Of positions, and values of the first field."""

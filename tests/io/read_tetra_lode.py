@@ -13,6 +13,7 @@ else at hand.
 Exit status: 0, 1 for a bad file, 2 where numpy, VTK or libzstd is absent.
 """
 
+import bisect
 import collections
 import math
 import pathlib
@@ -32,6 +33,7 @@ from independent_reader import BadFile, expect  # noqa: E402
 NONE = 0xFFFFFFFF
 PAGE, PART = 512, 65536
 BASE_VERTICES, BASE_CELLS, ROOTS, LINKS, FIELD, GRADIENTS, BASE_VALUES, ORIGINS, WORLD_ERRORS = range(1, 10)
+FRONT, FRONT_FACTS = 10, 11
 
 
 class Cursor:
@@ -173,7 +175,7 @@ def read_primed(n, read):
         return {key: [z, min(s, 14)] for key, (z, s) in models.items()}
 
     models, out = {}, {}
-    for page in sorted({(2 * k + 1) * n // 8 for k in range(4)}) if n else []:
+    for page in sorted({(2 * k + 1) * n // 6 for k in range(3)}) if n else []:
         models = softened()
         out[page] = read(page, models)
     for page in range(n):
@@ -214,7 +216,7 @@ def read_coordinates(c, n, narrow):
     at, rows = [0, 0, 0], []
     for _ in range(n):
         odd = tuple(at[a] % 2 if tables[a] else 0 for a in range(3))
-        steps, row = (), [0.0, 0.0, 0.0]
+        steps, row = 0, [0.0, 0.0, 0.0]
         for axis in (2, 1, 0):
             if not tables[axis]:
                 difference = unzigzag(c.wide("difference", axis))
@@ -231,7 +233,7 @@ def read_coordinates(c, n, narrow):
                 at[axis] += -by if is_back else by
             else:
                 at[axis] += (0, 1, -1)[step]
-            steps += (step,)
+            steps = 4 * steps + step
             expect(0 <= at[axis] < len(tables[axis]), "no coordinate of the table")
             row[axis] = unordered(tables[axis][at[axis]], narrow)
         rows.append(row)
@@ -567,7 +569,7 @@ def read_regions(c):
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 10, "unknown layout")
+    expect(c.take("I") == 11, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
@@ -627,6 +629,116 @@ def parts(n, size):
     return [min(size, n - i) for i in range(0, n, size)]
 
 
+class BaseWalk:
+    """Cells of the base, each across a face of one before it or begun anew."""
+
+    def __init__(self, m, c):
+        self.m, self.c, self.outside = m, c, m["B"] + m["N"]
+        self.cells, self.makers, self.marks, self.across = [], [], [], []
+        self.gates, self.open, self.last_vertex, self.last_maker = [], {}, 0, 0
+        self.last_mark = [0, 0]
+
+    def read(self):
+        c, n, gate, came = self.c, self.m["T"], 0, 1
+        while len(self.cells) < n:
+            if gate == len(self.gates):
+                self.add([self.vertex(self.last_vertex) for _ in range(4)], range(4))
+                self.data([], 0, None)
+                continue
+            t, place = self.gates[gate]
+            gate += 1
+            if self.across[t][place] is None:
+                came = c.bit("comes", came)
+                if came:
+                    self.attach(t, place)
+        c.end()
+
+    def face(self, t, place):
+        at = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))[place]
+        return [self.cells[t][k] for k in at]
+
+    def attach(self, t, place):
+        face = self.face(t, place)
+        last, is_known = None, 0
+        for k, (v, edges, steps) in enumerate(self.candidates(t, place, face)):
+            if self.c.bit("candidate", edges, min(steps, 3), k):
+                last, is_known = v, 1
+                break
+        if last is None:
+            last = self.vertex(face[0])
+        del self.open[tuple(sorted(face))]
+        new = len(self.cells)
+        self.add(face + [last], range(3))
+        self.across[new][3], self.across[t][place] = t, new
+        beside = [self.makers[self.across[new][k]] for k in (3, 0, 1, 2) if self.across[new][k] is not None]
+        self.data(list(dict.fromkeys(beside)), is_known, t)
+
+    def vertex(self, base):
+        if self.c.bit("outside"):
+            return self.outside
+        base = self.last_vertex if base == self.outside else base
+        self.last_vertex = base + unzigzag(self.c.wide("vertex"))
+        expect(0 <= self.last_vertex < self.m["B"], "a vertex beyond the base's")
+        return self.last_vertex
+
+    def candidates(self, t, place, face):
+        found = []
+        for e in range(3):
+            edge, third, at = {face[e], face[(e + 1) % 3]}, face[(e + 2) % 3], t
+            for step in range(64):
+                corners = self.cells[at]
+                other = next(v for v in corners if v not in edge and v != third)
+                beyond = self.across[at][corners.index(third)]
+                if beyond is None:
+                    if other not in face:
+                        same = next((f for f in found if f[0] == other), None)
+                        if same:
+                            same[1], same[2] = same[1] + 1, max(same[2], step)
+                        else:
+                            found.append([other, 1, step])
+                    break
+                at, third = beyond, other
+        return sorted(found, key=lambda f: -f[1])
+
+    def add(self, corners, places):
+        expect(len(set(corners)) == 4, "a cell of fewer than four vertices")
+        self.cells.append(corners)
+        self.makers.append(NONE)
+        self.marks.append(0)
+        self.across.append([None] * 4)
+        new = len(self.cells) - 1
+        for place in places:
+            key = tuple(sorted(self.face(new, place)))
+            if key in self.open:
+                t, other = self.open.pop(key)
+                self.across[new][place], self.across[t][other] = t, new
+            else:
+                self.open[key] = new, place
+                self.gates.append((new, place))
+
+    def data(self, beside, is_known, last):
+        c, new = self.c, len(self.cells) - 1
+        for k, maker in enumerate(beside):
+            if c.bit("beside", k, is_known):
+                self.makers[new] = maker
+                break
+        else:
+            if not c.bit("none"):
+                self.last_maker += unzigzag(c.wide("maker"))
+                expect(0 <= self.last_maker < self.m["N"], "a cell that waits for no node")
+                self.makers[new] = self.last_maker
+        if n_labels(self.m) < 2:
+            return
+        side = int(self.outside in self.cells[new])
+        expected = self.last_mark[side]
+        if last is not None and int(self.outside in self.cells[last]) == side:
+            expected = self.marks[last]
+        self.last_mark[side] = expected if c.bit("mark", side) else c.wide("mark")
+        limit = len(self.m["patches"]) + 1 if side else max(1, len(self.m["regions"]))
+        expect(self.last_mark[side] < limit, "a mark of nothing")
+        self.marks[new] = self.last_mark[side]
+
+
 class File:
     """Base, links and fields, as lists by node and arrays by vertex (the base's first)."""
 
@@ -658,23 +770,94 @@ class File:
             c = self.open(BASE_VERTICES, part)
             positions.append(np.stack([c.floats(n, m["narrow"]) for _ in range(3)], axis=1))
             c.end()
-        corners, waiting, regions = [], [], []
-        for part, n in enumerate(parts(m["T"], PART)):
-            c = self.open(BASE_CELLS, part)
-            corners.append(np.stack([c.differences(n, 4) for _ in range(4)], axis=1))
-            waiting.append(c.differences(n, 4))
-            regions.append(c.differences(n, 4) if n_labels(m) > 1 else np.zeros(n, int))
-            c.end()
+        walk = BaseWalk(m, Bits(self.take(BASE_CELLS, 0)))
+        walk.read()
         roots = [np.zeros(0, int)]
         for part, n in enumerate(parts(m["R"], PART)):
             c = self.open(ROOTS, part)
             roots.append(c.differences(n, 4).astype(int))
             c.end()
         self.base_positions = np.concatenate(positions)
-        self.corners = np.concatenate(corners).astype(int).tolist()
-        self.waiting = np.concatenate(waiting).astype(int).tolist()
-        self.cell_regions = np.concatenate(regions).astype(int).tolist()
+        self.corners = [list(corners) for corners in walk.cells]
+        self.waiting, self.cell_regions = walk.makers, walk.marks
         self.roots = np.concatenate(roots).tolist()
+        self.read_front()
+
+    def read_front(self):
+        """Boxes and masks of the nodes that cells of the base wait for."""
+        c = Bits(self.take(FRONT, 0))
+        self.front = sorted({k for k in self.waiting if k != NONE})
+        place = {k: i for i, k in enumerate(self.front)}
+        self.front_cells = [[] for _ in self.front]
+        for corners, k, mark in zip(self.corners, self.waiting, self.cell_regions):
+            if k != NONE:
+                self.front_cells[place[k]].append((corners, mark))
+        self.front_boxes, exponent = [], 0
+        for cells in self.front_cells:
+            at = self.base_positions[[v for corners, _ in cells for v in corners if v < self.m["B"]]]
+            exponent = c.symbol(4, "exponent", exponent)
+            low, high = (self.grid(x, exponent) for x in (at.min(axis=0), at.max(axis=0)))
+            lower, upper, last = [], [], 0
+            for axis in range(3):
+                step = c.signed("box", 0, min(last, 3))
+                lower.append(math.floor(low[axis]) - step)
+                last = step = abs(step)
+                step = c.signed("box", 1, min(last, 3))
+                upper.append(math.ceil(high[axis]) + step)
+                last = abs(step)
+            self.front_boxes.append((exponent, lower, upper))
+        self.front_masks = []
+        for cells in self.front_cells if len(self.m["regions"]) > 1 else []:
+            guess = 0
+            for corners, mark in cells:
+                if max(corners) < self.m["B"]:
+                    guess |= 1 << mark % 64
+            self.front_masks.append(guess ^ c.wide("mask"))
+        c.end()
+
+    def grid(self, at, exponent):
+        """Places on the grid of an exponent."""
+        lower, upper = np.array(self.m["box"][:3]), np.array(self.m["box"][3:])
+        width = 2.0 ** math.frexp(float((upper - lower).max()))[1]
+        lower = np.floor(lower / (width / 32768)) * (width / 32768)
+        return (at - lower) / width * 2.0**exponent
+
+    def check_front(self):
+        """It says what pages do."""
+        for k, (exponent, lower, upper) in zip(self.front, self.front_boxes):
+            own, *steps = self.boxes[k]
+            middle = np.floor(self.grid(self.positions[self.m["B"] + k], exponent))
+            expect(own == exponent, f"node {k}: another exponent with the base")
+            expect(lower == [m - s % 8 for m, s in zip(middle, steps)], f"node {k}: another box")
+            expect(upper == [m + s // 8 for m, s in zip(middle, steps)], f"node {k}: another box")
+        for k, mask in zip(self.front, self.front_masks):
+            expect(mask == self.masks[k], f"node {k}: another mask with the base")
+        for f in self.m["fields"]:
+            facts = [(error, low, low + width) for error, low, width in f["facts"][self.front].tolist()]
+            expect(facts == f["front_facts"], "other facts with the base")
+            if f["in_space"] is not None:
+                codes = f["world_codes"][self.front].tolist()
+                expect(codes == f["front_world_codes"], "other world errors with the base")
+
+    def read_front_facts(self, i, values):
+        f, c = self.m["fields"][i], Bits(self.take(FRONT_FACTS, 0, i))
+        knots = f["knots"].tolist()
+        scale = [knots[k // 16] + (knots[k // 16 + 1] - knots[k // 16]) * (k % 16 / 16) if k % 16
+                 else knots[k // 16] for k in range(4081)]
+        facts, o = [], 0
+        for cells in self.front_cells:
+            of_cells = [values[v] for corners, _ in cells for v in corners if v < self.m["B"]]
+            o = c.symbol(5, "error", o)
+            error = o << 7 | c.symbol(2, "quarter", o) << 5
+            error |= c.plain(5)
+            below = max(bisect.bisect_right(scale, min(of_cells)) - 1, 0)
+            low = (below + c.signed("low", max(o, 20))) % 4096
+            high = (bisect.bisect_left(scale, max(of_cells)) + c.signed("high", max(o, 20))) % 4096
+            facts.append((error, low, high))
+        f["front_facts"] = facts
+        if f["in_space"] is not None:
+            f["front_world_codes"] = [c.symbol(8, "world error") for _ in self.front]
+        c.end()
 
     def read_links(self):
         m = self.m
@@ -741,6 +924,7 @@ class File:
             f["world_codes"] = np.concatenate(
                 [self.read_world_codes(page, i) for page in range(self.n_pages)] or [np.zeros(0, int)])
         f["values"] = np.concatenate(base + values)
+        self.read_front_facts(i, np.concatenate(base).tolist())
         f["facts"] = np.concatenate(facts) if facts else np.zeros((0, 3), int)
 
     def read_field_of(self, i, page, models):
@@ -1004,6 +1188,7 @@ def main():
     file.read_origins()
     for i in range(len(file.m["fields"])):
         file.read_field(i)
+    file.check_front()
     left_over = [key for key in file.blocks if key[0] != 0]
     expect(not left_over, f"blocks left over: {left_over[:5]}")
     file.lower, file.upper = find_boxes(file)

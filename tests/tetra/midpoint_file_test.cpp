@@ -395,7 +395,7 @@ TEST_F(midpoint_file, that_was_cut_off_or_is_another_model_is_refused) {
   ASSERT_TRUE(unknown && unknown->finish());
   const auto later = open(part);
   ASSERT_FALSE(later);
-  EXPECT_NE(later.error().message.find("expected layout 5 of midpoints, got 151587081"),
+  EXPECT_NE(later.error().message.find("expected layout 6 of midpoints, got 151587081"),
             std::string::npos);
 }
 

@@ -385,9 +385,9 @@ TEST_F(tetra_file, of_which_a_primer_is_damaged_says_so_whatever_page_is_asked_f
     const auto codes = opened->gradients(0, 0);
     EXPECT_EQ(codes.has_value(), kind != Kind::gradients);
     if (kind == Kind::gradients) expect_named(codes);
-    static_cast<void>(opened->hierarchy.bounds(0));
+    static_cast<void>(opened->hierarchy.links(0));
     EXPECT_EQ(opened->hierarchy.check().has_value(), kind != Kind::links);
-    static_cast<void>(opened->hierarchy.facts(0, 0));
+    static_cast<void>(opened->hierarchy.value(hierarchy_.n_base_vertices, 0));
     if (kind != Kind::gradients) expect_named(opened->hierarchy.check());
     if (kind == Kind::gradients) EXPECT_TRUE(opened->hierarchy.check());
   }

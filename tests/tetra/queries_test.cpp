@@ -126,7 +126,7 @@ TEST_F(tetra_queries, a_deadline_gives_what_is_ready) {
 }
 
 /// What nodes there are below the base is in pages, which take longer than a deadline may last.
-TEST_F(tetra_queries, a_deadline_of_a_file_does_not_wait_for_pages) {
+TEST_F(tetra_queries, a_deadline_of_a_file_does_not_wait_for_pages_and_knows_the_base) {
   const auto path = std::filesystem::temp_directory_path() /
                     ("lode_deadline_" + std::to_string(::getpid()) + ".lode");
   Progress progress;
@@ -145,14 +145,17 @@ TEST_F(tetra_queries, a_deadline_of_a_file_does_not_wait_for_pages) {
   const std::uint64_t n_late = read_for({.deadline_s = 0}, late);
   const SimplexMesh late_mesh = std::move(cut_);
   const std::uint64_t n_base = read_for({.query = {.max_error = 2 * base_error}}, base);
+  const SimplexMesh base_mesh = std::move(cut_);
+  MeshReport fine;
+  const std::uint64_t n_fine = read_for({.query = {.max_error = 0.5 * base_error}}, fine);
   std::filesystem::remove(path);
   EXPECT_FALSE(late.is_settled);
   EXPECT_EQ(late.n_cells, base.n_cells);
   EXPECT_EQ(late.achieved_error, base_error);
-  // Nothing is known of single cells then but what holds of all.
-  for (const float error : late_mesh.errors)
-    EXPECT_TRUE(error == 0 || static_cast<double>(error) >= base_error) << error;
-  EXPECT_LT(n_late, n_base);
+  // What its cells wait for is said with them.
+  EXPECT_EQ(late_mesh.errors, base_mesh.errors);
+  EXPECT_EQ(n_late, n_base);
+  EXPECT_LT(n_base, n_fine);
 }
 
 TEST_F(tetra_queries, refuses_pixels_and_deadlines_that_are_none) {

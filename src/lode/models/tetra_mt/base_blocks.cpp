@@ -101,51 +101,6 @@ Result<std::optional<double>> read_world_error(store::ByteReader& in, const std:
   return has_one == 1 ? std::optional(error) : std::nullopt;
 }
 
-void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out) {
-  std::vector<std::uint32_t> column;
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    column.clear();
-    for (const Tetrahedron& t : tetrahedra) column.push_back(t[corner]);
-    write_differences_of(column, out);
-  }
-}
-
-Result<std::vector<Tetrahedron>> read_corners(StreamReader& in, std::size_t n,
-                                              std::uint32_t n_vertices, std::uint32_t outside) {
-  std::vector<Tetrahedron> tetrahedra(n);
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    LODE_TRY(const auto column, read_differences_of(in, n));
-    for (std::size_t i = 0; i < n; ++i) {
-      if (column[i] >= n_vertices && column[i] != outside)
-        return fail("{}: expected vertices of the base, {}, or {}, got {}", in.what(), n_vertices,
-                    outside, column[i]);
-      tetrahedra[i][corner] = column[i];
-    }
-  }
-  for (Tetrahedron t : tetrahedra) {
-    std::ranges::sort(t);
-    if (std::ranges::adjacent_find(t) != t.end())
-      return fail("{}: expected tetrahedra of four vertices, got vertex {} twice", in.what(),
-                  *std::ranges::adjacent_find(t));
-  }
-  return tetrahedra;
-}
-
-Result<std::vector<std::uint32_t>> read_marks(StreamReader& in,
-                                              std::span<const Tetrahedron> tetrahedra,
-                                              std::uint32_t outside, std::size_t n_regions,
-                                              std::size_t n_patches) {
-  LODE_TRY(auto marks, read_differences_of(in, tetrahedra.size()));
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    const bool is_outer = std::ranges::find(tetrahedra[i], outside) != tetrahedra[i].end();
-    const std::size_t limit = is_outer ? n_patches + 1 : std::max<std::size_t>(n_regions, 1);
-    if (marks[i] >= limit)
-      return fail("{}: expected one of {} {}, got {}", in.what(), limit,
-                  is_outer ? "patches and none" : "regions", marks[i]);
-  }
-  return marks;
-}
-
 Result<store::Writer> copy_blocks(const std::string& from, const std::string& to,
                                   std::string_view model, const Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(from));

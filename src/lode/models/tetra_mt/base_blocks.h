@@ -25,7 +25,7 @@
 
 namespace lode::tetra_mt {
 
-/// Vertices, tetrahedra or roots of the base in a block.
+/// Vertices or roots of the base in a block.
 inline constexpr std::uint32_t kBasePart = 1U << 16;
 
 /// Of metadata: regions, then patches, of a HierarchyHead or a ForestHead. What is read has no
@@ -56,19 +56,6 @@ void write_world_error(const std::optional<double>& error, store::ByteWriter& ou
 [[nodiscard]] Result<std::optional<double>> read_world_error(store::ByteReader& in,
                                                              const std::string& path,
                                                              const std::string& field);
-
-/// Tetrahedra of a base, corner by corner.
-void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out);
-/// Corners are numbers below `n_vertices`, or `outside`, and differ.
-[[nodiscard]] Result<std::vector<Tetrahedron>> read_corners(StreamReader& in, std::size_t n,
-                                                            std::uint32_t n_vertices,
-                                                            std::uint32_t outside);
-/// Places of regions and marks of patches, by tetrahedron.
-[[nodiscard]] Result<std::vector<std::uint32_t>> read_marks(StreamReader& in,
-                                                            std::span<const Tetrahedron> tetrahedra,
-                                                            std::uint32_t outside,
-                                                            std::size_t n_regions,
-                                                            std::size_t n_patches);
 
 /// Columns are compressed already.
 [[nodiscard]] inline store::EncodedBlock as_block(const std::vector<std::byte>& bytes) {

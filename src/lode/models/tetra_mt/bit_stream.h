@@ -26,6 +26,12 @@ class BitWriter {
     pending_ >>= kFlushBits;
     n_pending_ -= kFlushBits;
   }
+  /// Goes on at a multiple of so many bits, which divides 8. Returns at which bit.
+  std::size_t align_to(int unit) {
+    const int n = (unit - n_pending_ % unit) % unit;
+    write(0, n);
+    return 8 * bytes_.size() + static_cast<std::size_t>(n_pending_);
+  }
   /// Goes on at a whole byte. Returns which.
   std::size_t align() {
     for (; n_pending_ > 0; n_pending_ -= 8, pending_ >>= 8)
@@ -34,12 +40,13 @@ class BitWriter {
     n_pending_ = 0;
     return bytes_.size();
   }
-  /// All of another one, from a whole byte on; that one is empty then.
+  /// All of another one; that one is empty then.
   void take_all(BitWriter& other) {
-    align();
-    other.align();
-    bytes_.insert(bytes_.end(), other.bytes_.begin(), other.bytes_.end());
+    for (const std::uint8_t byte : other.bytes_) write(byte, 8);
+    write(static_cast<std::uint32_t>(other.pending_), other.n_pending_);
     other.bytes_.clear();
+    other.pending_ = 0;
+    other.n_pending_ = 0;
   }
   /// With as many zeros behind as readers may look at.
   [[nodiscard]] std::vector<std::uint8_t> take() && {

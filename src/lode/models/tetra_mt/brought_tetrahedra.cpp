@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "lode/models/tetra_mt/base_order.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/region_masks.h"
 
@@ -183,7 +184,8 @@ void BroughtTetrahedra::fill_region_mask(const Part& part) {
     if (!is_outside_label(label)) mask |= region_bit(label);
 }
 
-/// Those outside last, by the faces on which they were.
+/// In the order in which files have it, which is made of those inside, then of those outside by the
+/// faces on which they were.
 void BroughtTetrahedra::take_base() {
   const auto maker = [&](std::uint32_t vertex) {
     return vertex == kNone ? kNone : numbers_[vertex] - result_.n_base_vertices;
@@ -213,6 +215,11 @@ void BroughtTetrahedra::take_base() {
     result_.base_makers.push_back(maker(collapses_.outer_base[i].maker));
     if (has_regions) result_.base_regions.push_back(collapses_.outer_base[i].patch);
   }
+  BaseTetrahedra ordered = in_base_order(
+      {std::move(result_.base), std::move(result_.base_makers), std::move(result_.base_regions)});
+  result_.base = std::move(ordered.corners);
+  result_.base_makers = std::move(ordered.makers);
+  result_.base_regions = std::move(ordered.regions);
 }
 
 }  // namespace lode::tetra_mt

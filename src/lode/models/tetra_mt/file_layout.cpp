@@ -61,6 +61,15 @@ Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
 
 }  // namespace
 
+BaseLimits base_limits_of(const HierarchyHead& head) {
+  BaseLimits limits{.n_vertices = head.shape.n_base_vertices,
+                    .outside = head.outside(),
+                    .n_nodes = head.shape.n_nodes};
+  if (head.shape.n_labels > 1)
+    limits.n_labels = {head.shape.n_regions, static_cast<std::uint32_t>(head.patches.size()) + 1};
+  return limits;
+}
+
 std::vector<std::byte> encode_head(const HierarchyHead& head) {
   store::ByteWriter out;
   out.write(kLayout);

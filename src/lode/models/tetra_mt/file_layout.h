@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lode/models/tetra_mt/base_order.h"
 #include "lode/models/tetra_mt/packed_hierarchy.h"
 #include "lode/models/tetra_mt/page_tree.h"
 #include "lode/store/format.h"
@@ -25,10 +26,12 @@ enum class Kind : std::uint32_t {
   base_field = 7,
   mesh_vertices = 8,
   world_errors = 9,
+  front = 10,
+  front_facts = 11,
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 10;
+inline constexpr std::uint32_t kLayout = 11;
 
 [[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number,
                                             std::uint32_t field = 0) {
@@ -47,6 +50,9 @@ struct BaseCounts {
 /// All but the base's vertices, tetrahedra and roots. Fails on what no hierarchy has.
 [[nodiscard]] Result<HierarchyHead> decode_head(std::span<const std::byte> bytes,
                                                 const std::string& path, BaseCounts& counts);
+
+/// Of its base.
+[[nodiscard]] BaseLimits base_limits_of(const HierarchyHead& head);
 
 /// Of a page of nodes; called by many threads at once.
 using TreeOf = std::function<PageTree(std::uint32_t page)>;

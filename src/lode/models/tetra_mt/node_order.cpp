@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <span>
 
@@ -11,15 +10,16 @@
 namespace lode::tetra_mt {
 namespace {
 
-constexpr float kAlways = std::numeric_limits<float>::infinity();
-constexpr std::uint32_t kFirstBand = 64;  ///< Higher bands come first.
-
-/// Of the node that comes at a place in the order of refinement.
+/// Of the node that comes at a place in the order of refinement; higher bands come first. The last
+/// seven eighths are one, as links from band to band take more than others; before these each has
+/// half of what is left, so that a tolerance asks for little more than it looks at.
 std::uint32_t band_of(std::size_t place, std::size_t n_nodes) {
-  constexpr std::size_t kGrowth = 8;
-  constexpr std::size_t kSmallest = 1024;
+  constexpr std::size_t kSmallest = 2048;
   std::uint32_t band = 0;
-  for (std::size_t end = n_nodes; end > kSmallest && place < end / kGrowth; end /= kGrowth) ++band;
+  for (std::size_t end = n_nodes / 8; place < end; end /= 2) {
+    ++band;
+    if (end <= kSmallest) break;
+  }
   return band;
 }
 
@@ -35,16 +35,14 @@ std::vector<double> weights_of(const TetraMesh& mesh) {
 }
 
 /// By collapse, the tolerance below which a query of the whole domain looks at its node: one is
-/// applied then that brings a tetrahedron which waits for it. kAlways where the base has one.
-/// Shares of ranges; of several fields the largest.
+/// applied then that brings a tetrahedron which waits for it. Of one that the base waits for the
+/// tolerance below which it is applied, as what it is asked for before lies with the base. Shares
+/// of ranges; of several fields the largest.
 std::vector<float> find_tolerances(const TetraMesh& mesh, const HalfEdgeCollapses& half_edges) {
   const std::vector<double> weights = weights_of(mesh);
   // By vertex. A node is applied for all that waits for it, whoever discovers that.
   std::vector<float> applied(mesh.positions.size(), 0);
   std::vector<float> looked_at(mesh.positions.size(), 0);
-  const auto look = [&](std::uint32_t vertex, float tolerance) {
-    if (vertex != kNone) looked_at[vertex] = std::max(looked_at[vertex], tolerance);
-  };
   std::size_t i = 0;
   for (const CollapseStars& stars : half_edges.stars) {
     std::size_t child = 0;
@@ -56,13 +54,16 @@ std::vector<float> find_tolerances(const TetraMesh& mesh, const HalfEdgeCollapse
       }
       const auto children = std::span(stars.children).subspan(child, size.n_children);
       for (const std::uint32_t v : children) here = std::max(here, applied[v]);
-      for (const std::uint32_t v : children) look(v, here);
+      for (const std::uint32_t v : children) looked_at[v] = std::max(looked_at[v], here);
       child += size.n_children;
       ++i;
     }
   }
-  for (const std::uint32_t maker : half_edges.base_makers) look(maker, kAlways);
-  for (const OuterTetrahedron& t : half_edges.outer_base) look(t.maker, kAlways);
+  const auto look_at_front = [&](std::uint32_t vertex) {
+    if (vertex != kNone) looked_at[vertex] = std::max(looked_at[vertex], applied[vertex]);
+  };
+  for (const std::uint32_t maker : half_edges.base_makers) look_at_front(maker);
+  for (const OuterTetrahedron& t : half_edges.outer_base) look_at_front(t.maker);
   std::vector<float> tolerances;
   tolerances.reserve(i);
   for (const Collapse& c : half_edges.collapses) tolerances.push_back(looked_at[c.removed]);
@@ -75,10 +76,8 @@ std::vector<std::uint32_t> find_bands(const std::vector<float>& tolerances) {
   std::vector<std::uint32_t> order(n);
   std::iota(order.rbegin(), order.rend(), 0U);  // where tolerances are the same, the last first
   std::ranges::stable_sort(order, std::greater(), [&](std::uint32_t i) { return tolerances[i]; });
-  const auto n_first = static_cast<std::size_t>(std::ranges::count(tolerances, kAlways));
-  std::vector<std::uint32_t> bands(n, kFirstBand);
-  for (std::size_t place = n_first; place < n; ++place)
-    bands[order[place]] = band_of(place - n_first, n - n_first);
+  std::vector<std::uint32_t> bands(n);
+  for (std::size_t place = 0; place < n; ++place) bands[order[place]] = band_of(place, n);
   return bands;
 }
 

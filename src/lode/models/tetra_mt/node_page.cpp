@@ -41,13 +41,13 @@ class NodePage::Packer {
     page_.positions_.write(n, position, bits);
     BitWriter node;
     for (std::uint32_t i = 0; i < n; ++i) {
-      const std::size_t begin = bits.align();
+      const std::size_t begin = bits.align_to(kUnitBits) / kUnitBits;
       if (i % kGroup == 0) page_.begins_.push_back(static_cast<std::uint32_t>(begin));
       write_node(i, node);
-      const std::size_t length = node.align();
+      const std::size_t length = node.align_to(kUnitBits) / kUnitBits;
       page_.lengths_.push_back(static_cast<std::uint8_t>(std::min<std::size_t>(length, kLong)));
       if (length >= kLong)
-        bits.write(static_cast<std::uint32_t>(length) + kLengthBits / 8, kLengthBits);
+        bits.write(static_cast<std::uint32_t>(length) + kLengthBits / kUnitBits, kLengthBits);
       bits.take_all(node);
       page_.has_long_ = page_.has_long_ || length >= kLong;
     }
@@ -118,16 +118,28 @@ class NodePage::Packer {
     }
     const auto children = content_.children[i];
     const auto parents = content_.parents[i];
-    write_vertex(content_.targets[i], bits);
     write_count(bits, static_cast<std::uint32_t>(children.size()));
     write_count(bits, static_cast<std::uint32_t>(parents.size()));
     bits.write(content_.n_discovered[i], bits_for(children.size()));
+    write_target(i, bits);
     for (const std::uint32_t child : children) write_vertex(shape_.n_base_vertices + child, bits);
     for (const std::uint32_t parent : parents) write_vertex(shape_.n_base_vertices + parent, bits);
     if (!children.empty()) write_makers(i, bits);
     if (page_.n_region_bits_ == 0) return;
     bits.write(content_.regions[i].empty() ? 0 : 1, 1);
     for (const std::uint32_t region : content_.regions[i]) bits.write(region, page_.n_region_bits_);
+  }
+  void write_target(std::uint32_t i, BitWriter& bits) const {
+    const auto parents = content_.parents[i];
+    const std::uint32_t target = content_.targets[i];
+    const auto found = target < shape_.n_base_vertices
+                           ? parents.end()
+                           : std::ranges::find(parents, target - shape_.n_base_vertices);
+    bits.write(found != parents.end() ? 1 : 0, 1);
+    if (found != parents.end())
+      bits.write(static_cast<std::uint32_t>(found - parents.begin()), bits_for(parents.size() - 1));
+    else
+      write_vertex(target, bits);
   }
   void write_makers(std::uint32_t i, BitWriter& bits) const {
     const auto children = content_.children[i];
@@ -158,13 +170,16 @@ NodePage::Links::Links(const NodePage& page, std::uint32_t i) : Links(page, i, p
 
 NodePage::Links::Links(const NodePage& page, std::uint32_t i, std::size_t begin)
     : page_(&page),
-      end_(8 * page.end_of(i, begin)),
-      bits_(page.bits_.data(), begin),
-      target_(
-          (bits_.skip(BoxCodes::kBits + std::size_t{page.n_mask_bits_}), page.read_vertex(bits_))),
-      n_children_(read_count(bits_)),
+      end_(kUnitBits * page.end_of(i, begin)),
+      bits_(page.reader_at(begin)),
+      n_children_(
+          (bits_.skip(BoxCodes::kBits + std::size_t{page.n_mask_bits_}), read_count(bits_))),
       n_parents_(read_count(bits_)),
-      n_discovered_(bits_.read(bits_for(n_children_))) {}
+      n_discovered_(bits_.read(bits_for(n_children_))),
+      is_target_parent_(bits_.read(1) != 0),
+      target_(is_target_parent_ ? bits_.read(bits_for(n_parents_ - std::size_t{1}))
+                                : page.read_vertex(bits_)),
+      lists_at_(bits_.at()) {}
 
 void NodePage::Links::start_makers() {
   if (n_children_ == 0) return;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "lode/models/tetra_mt/bit_stream.h"
@@ -46,9 +47,10 @@ struct VertexRange {
 }
 
 /// A page in memory, packed: for each node its position, 22 bits of its box, which of the page's
-/// masks of regions it has, where there are several, and its links. A link
-/// to a node or vertex of the page takes 10 bits; one to another page 14 where that is one of the
-/// eight with most links, else as many as the number of such pages asks for.
+/// masks of regions it has, where there are several, and its links. A link to a node or vertex of
+/// the page takes 10 bits; one to another page 14 where that is one of the eight with most links,
+/// else as many as the number of such pages asks for; a target that is the vertex of a parent its
+/// place among these.
 class NodePage {
  public:
   /// `content` is as PageContent says: sorted, with numbers that `shape` has.
@@ -56,14 +58,14 @@ class NodePage {
 
   [[nodiscard]] Vec3d position(std::uint32_t i) const { return {positions_.read(bits_.data(), i)}; }
   [[nodiscard]] std::uint32_t box(std::uint32_t i) const {
-    return BitReader(bits_.data(), begin_of(i)).read(BoxCodes::kBits);
+    return reader_at(begin_of(i)).read(BoxCodes::kBits);
   }
 
   /// PageContent's; kAllRegions where there are none.
   [[nodiscard]] std::uint64_t region_mask(std::uint32_t i) const {
     if (masks_.empty()) return kAllRegions;
     if (n_mask_bits_ == 0) return masks_[0];
-    BitReader bits(bits_.data(), begin_of(i));
+    BitReader bits = reader_at(begin_of(i));
     bits.skip(BoxCodes::kBits);
     return masks_[bits.read(n_mask_bits_)];
   }
@@ -73,7 +75,18 @@ class NodePage {
    public:
     Links(const NodePage& page, std::uint32_t i);
 
-    [[nodiscard]] std::uint32_t target() const { return target_; }
+    /// A vertex; at any time.
+    [[nodiscard]] std::uint32_t target() const {
+      if (!is_target_parent_) return target_;
+      BitReader bits(page_->bits_.data(), 0);
+      bits.skip(lists_at_);
+      for (std::uint32_t k = 0; k < n_children_ + target_; ++k) page_->skip_vertex(bits);
+      return page_->read_vertex(bits);
+    }
+    /// The place among the parents of the one whose vertex the target is, where it is one's.
+    [[nodiscard]] std::optional<std::uint32_t> target_parent() const {
+      return is_target_parent_ ? std::optional(target_) : std::nullopt;
+    }
     [[nodiscard]] std::uint32_t n_children() const { return n_children_; }
     [[nodiscard]] std::uint32_t n_discovered() const { return n_discovered_; }
     [[nodiscard]] std::uint32_t n_parents() const { return n_parents_; }
@@ -103,10 +116,12 @@ class NodePage {
     const NodePage* page_;
     std::size_t end_;  ///< Of the node's links, in bits.
     BitReader bits_;
-    std::uint32_t target_;
     std::uint32_t n_children_;
     std::uint32_t n_parents_;
     std::uint32_t n_discovered_;
+    bool is_target_parent_;  ///< Its target is the vertex of a parent,
+    std::uint32_t target_;   ///< whose place this is; else the vertex.
+    std::size_t lists_at_;   ///< Where children begin, in bits.
     int n_maker_bits_ = 0;
   };
 
@@ -117,7 +132,7 @@ class NodePage {
     const std::size_t begin = begins_[group];
     const std::size_t end = group + 1 < begins_.size() ? begins_[group + 1] : begin;
     const std::size_t at = begin + (end - begin) * (i % kGroup) / kGroup;
-    __builtin_prefetch(&bits_[at]);
+    __builtin_prefetch(&bits_[at * kUnitBits / 8]);
     __builtin_prefetch(&lengths_[std::size_t{group} * kGroup]);
   }
   [[nodiscard]] std::size_t n_bytes() const;
@@ -125,24 +140,31 @@ class NodePage {
  private:
   class Packer;
   static constexpr std::uint32_t kGroup = 32;  ///< Nodes of which one has a begin.
-  static constexpr std::uint8_t kLong = 0xFF;  ///< Instead of what takes as many bytes, or more.
+  static constexpr int kUnitBits = 4;          ///< Nodes begin at whole units of so many.
+  static constexpr std::uint8_t kLong = 0xFF;  ///< Instead of what takes as many units, or more.
   static constexpr int kLengthBits = 16;       ///< Then of what this takes, before it.
   static constexpr int kFewBits = 3;           ///< For the pages with most links.
 
-  /// Where a node's box and links begin in bits_, in bytes.
+  /// At a unit of bits_.
+  [[nodiscard]] BitReader reader_at(std::size_t unit) const {
+    BitReader bits(bits_.data(), 0);
+    bits.skip(unit * kUnitBits);
+    return bits;
+  }
+  /// Where a node's box and links begin in bits_, in units.
   [[nodiscard]] std::size_t begin_of(std::uint32_t i) const {
     const std::uint32_t first = i / kGroup * kGroup;
     std::size_t begin = begins_[i / kGroup];
     if (!has_long_) return begin + sum_of(&lengths_[first], i - first);
     for (std::uint32_t k = first; k < i; ++k)
       begin += lengths_[k] == kLong ? long_at(begin) : lengths_[k];
-    return lengths_[i] == kLong ? begin + kLengthBits / 8 : begin;
+    return lengths_[i] == kLong ? begin + kLengthBits / kUnitBits : begin;
   }
   /// Where they end.
   [[nodiscard]] std::size_t end_of(std::uint32_t i, std::size_t begin) const {
-    constexpr std::size_t kLengthBytes = kLengthBits / 8;
+    constexpr std::size_t kLengthUnits = kLengthBits / kUnitBits;
     if (lengths_[i] != kLong) return begin + lengths_[i];
-    return begin - kLengthBytes + long_at(begin - kLengthBytes);
+    return begin - kLengthUnits + long_at(begin - kLengthUnits);
   }
   /// Of the first n of a group, eight at once.
   [[nodiscard]] static std::size_t sum_of(const std::uint8_t* lengths, std::uint32_t n) {
@@ -158,7 +180,7 @@ class NodePage {
     return static_cast<std::uint16_t>((sums * 0x0001000100010001U) >> 48);
   }
   [[nodiscard]] std::size_t long_at(std::size_t begin) const {
-    return BitReader(bits_.data(), begin).read(kLengthBits);
+    return reader_at(begin).read(kLengthBits);
   }
   /// How a link to a vertex begins: its own page, one of the few, or any. Which of them no
   /// processor can guess, so all are read in the same way.
@@ -191,7 +213,7 @@ class NodePage {
   std::vector<std::uint64_t> masks_;  ///< That differ, ascending.
   std::vector<std::uint8_t> bits_;    ///< Of positions, then of boxes and links.
   std::vector<std::uint32_t> begins_;
-  std::vector<std::uint8_t> lengths_;  ///< Bytes of a node's box and links; whole groups.
+  std::vector<std::uint8_t> lengths_;  ///< Units of a node's box and links; whole groups.
   /// First vertices of other pages that links lead to, those with most links first.
   std::vector<std::uint32_t> pages_;
   std::uint32_t own_;             ///< The page's first vertex.

@@ -21,8 +21,7 @@ class BaseReader {
     LODE_CHECK(check_memory());
     LODE_CHECK(read_parts(Kind::base_vertices, head_.shape.n_base_vertices,
                           [&](StreamReader& in, std::size_t n) { return read_vertices(in, n); }));
-    LODE_CHECK(read_parts(Kind::base_tetrahedra, counts_.n_tetrahedra,
-                          [&](StreamReader& in, std::size_t n) { return read_tetrahedra(in, n); }));
+    LODE_CHECK(read_tetrahedra());
     LODE_CHECK(read_parts(Kind::roots, counts_.n_roots,
                           [&](StreamReader& in, std::size_t n) { return read_roots(in, n); }));
     const auto n_inside = std::ranges::count_if(head_.base, [&](const Tetrahedron& t) {
@@ -31,15 +30,15 @@ class BaseReader {
     if (static_cast<std::uint64_t>(n_inside) != head_.n_base_cells)
       return fail("{}: expected {} cells of the base, got {}", reader_.path(), head_.n_base_cells,
                   n_inside);
-    return {};
+    return read_front();
   }
 
  private:
   Result<void> check_memory() const {
-    return check_base_memory(
-        reader_, head_.shape.n_base_vertices * (sizeof(Vec3d) + sizeof(double)) +
-                     counts_.n_tetrahedra * (sizeof(Tetrahedron) + sizeof(std::uint32_t)) +
-                     counts_.n_roots * sizeof(std::uint32_t));
+    return check_base_memory(reader_,
+                             head_.shape.n_base_vertices * (sizeof(Vec3d) + sizeof(double)) +
+                                 counts_.n_tetrahedra * kBaseTetrahedronBytes +
+                                 counts_.n_roots * sizeof(std::uint32_t));
   }
   template <typename Read>
   Result<void> read_parts(Kind kind, std::uint64_t n, const Read& read) {
@@ -53,18 +52,24 @@ class BaseReader {
           {{coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]}});
     return {};
   }
-  Result<void> read_tetrahedra(StreamReader& in, std::size_t n) {
-    LODE_TRY(const auto corners, read_corners(in, n, head_.shape.n_base_vertices, head_.outside()));
-    head_.base.insert(head_.base.end(), corners.begin(), corners.end());
-    LODE_TRY(const auto makers, read_differences_of(in, n));
-    for (const std::uint32_t maker : makers)
-      if (maker >= head_.shape.n_nodes && maker != kNone)
-        return fail("{}: expected one of {} nodes, got {}", in.what(), head_.shape.n_nodes, maker);
-    head_.base_makers.insert(head_.base_makers.end(), makers.begin(), makers.end());
-    if (head_.shape.n_labels == 1) return {};
-    LODE_TRY(const auto regions, read_marks(in, corners, head_.outside(), head_.region_ids.size(),
-                                            head_.patches.size()));
-    head_.base_regions.insert(head_.base_regions.end(), regions.begin(), regions.end());
+  Result<void> read_tetrahedra() {
+    const auto key = key_of(Kind::base_tetrahedra, 0);
+    LODE_TRY(const auto bytes, read_block(reader_, key));
+    LODE_TRY(auto base, decode_base(bytes, counts_.n_tetrahedra, base_limits_of(head_),
+                                    reader_.path() + ": " + store::describe(key)));
+    head_.base = std::move(base.corners);
+    head_.base_makers = std::move(base.makers);
+    head_.base_regions = std::move(base.regions);
+    return {};
+  }
+  Result<void> read_front() {
+    const auto key = key_of(Kind::front, 0);
+    LODE_TRY(const auto bytes, read_block(reader_, key));
+    FrontNodes front{.nodes = front_nodes_of(head_.base_makers), .boxes = {}, .region_masks = {}};
+    LODE_CHECK(decode_front(bytes, reader_.path() + ": " + store::describe(key),
+                            front_base_of(head_), BoxCodes(head_.lower, head_.upper),
+                            head_.shape.n_regions, front));
+    head_.front = std::make_shared<const FrontNodes>(std::move(front));
     return {};
   }
   Result<void> read_roots(StreamReader& in, std::size_t n) {
@@ -102,11 +107,12 @@ Result<OpenedHierarchy> open(const std::string& path) {
   LODE_CHECK(source->check());
   PackedHierarchy::Load load{
       [source](std::uint32_t page) { return source->links(page); },
-      [source](std::size_t field) { return source->base(field); },
-      [source](std::size_t field, std::uint32_t page, const PageTree& tree,
-               const ValueScale& scale) { return source->field(field, page, tree, scale); },
-      [source](std::size_t field, std::uint32_t page) {
-        return source->world_errors(field, page);
+      [source](std::size_t field, const HierarchyHead& own) { return source->base(field, own); },
+      [source](std::size_t field, std::uint32_t page, const PageTree& tree, const FieldBase& base) {
+        return source->field(field, page, tree, base);
+      },
+      [source](std::size_t field, std::uint32_t page, const FieldBase& base) {
+        return source->world_errors(field, page, base);
       }};
   return OpenedHierarchy{
       PackedHierarchy(std::move(head), std::move(load)),

@@ -94,6 +94,21 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   return head;
 }
 
+FrontNodes front_of(const Hierarchy& hierarchy, const HierarchyHead& head) {
+  FrontNodes front{.nodes = front_nodes_of(head.base_makers), .boxes = {}, .region_masks = {}};
+  const BoxCodes codes(head.lower, head.upper);
+  for (const std::uint32_t node : front.nodes) {
+    front.boxes.push_back(
+        codes.lines(hierarchy.positions[hierarchy.n_base_vertices + node], hierarchy.boxes[node]));
+    if (!hierarchy.region_masks.empty()) front.region_masks.push_back(hierarchy.region_masks[node]);
+  }
+  return front;
+}
+
+FrontBase front_base_of(const HierarchyHead& head) {
+  return {head.base, head.base_makers, head.base_positions, head.base_regions};
+}
+
 PageContent content_of(const Hierarchy& hierarchy, std::uint32_t number) {
   const std::uint32_t first = number * kPageNodes;
   PageContent content;
@@ -153,7 +168,19 @@ HierarchyHead::Field head_of(const NumberedField& field,
 
 FieldBase base_of(const NumberedField& field, const PageShape& shape) {
   return {ValueScale::of(field.values),
-          {field.values.begin(), field.values.begin() + shape.n_base_vertices}};
+          {field.values.begin(), field.values.begin() + shape.n_base_vertices},
+          {}};
+}
+
+FrontFacts front_facts_of(const NumberedField& field, const ValueScale& scale,
+                          const WorldCodes& codes, std::span<const std::uint32_t> nodes) {
+  FrontFacts front;
+  for (const std::uint32_t node : nodes) {
+    front.facts.push_back(to_codes(field.facts[node], field.range_reference, scale));
+    if (field.has_world_errors)
+      front.world_errors.push_back(codes.code(field.facts[node].world_error));
+  }
+  return front;
 }
 
 FieldContent content_of(const NumberedField& field, const ValueScale& scale, const PageShape& shape,
@@ -289,12 +316,12 @@ const FieldPage& PackedHierarchy::load(std::uint32_t number, std::size_t field) 
   FieldPages& pages = *pages_->fields[field];
   // Each of these may load something, too.
   const PageTree tree = tree_of(number);
-  const ValueScale& scale = base_of(pages).scale;
+  const FieldBase& base = base_of(pages);
   const std::lock_guard lock(pages_->mutex);
   if (const FieldPage* const page = pages.pages.at(number)) return *page;
   const bool is_narrow_field = head_->fields[field].has_narrow_values;
   if (const auto content =
-          pages_->try_load([&] { return pages_->load.field(field, number, tree, scale); }))
+          pages_->try_load([&] { return pages_->load.field(field, number, tree, base); }))
     return pages.pages.put(number, FieldPage(*content, is_narrow_field));
   if (pages.empty == nullptr) {
     const FieldContent nothing{std::vector<double>(kPageNodes), std::vector<FactCodes>(kPageNodes)};
@@ -306,10 +333,11 @@ const FieldPage& PackedHierarchy::load(std::uint32_t number, std::size_t field) 
 /// Of a page that cannot be loaded nothing is known.
 const WorldPage& PackedHierarchy::load_world(std::uint32_t number, std::size_t field) const {
   static const WorldPage kUnknown(kPageNodes, WorldCodes::kInfinite);
+  const FieldBase& base = base_of(*pages_->fields[field]);
   const std::lock_guard lock(pages_->mutex);
   OnceSlots<WorldPage>& worlds = pages_->fields[field]->worlds;
   if (const WorldPage* const page = worlds.at(number)) return *page;
-  auto page = pages_->try_load([&] { return pages_->load.world_errors(field, number); });
+  auto page = pages_->try_load([&] { return pages_->load.world_errors(field, number, base); });
   return page ? worlds.put(number, std::move(*page)) : kUnknown;
 }
 
@@ -317,7 +345,7 @@ const FieldBase& PackedHierarchy::load_base(std::size_t field) const {
   const std::lock_guard lock(pages_->mutex);
   FieldPages& pages = *pages_->fields[field];
   if (const FieldBase* const base = pages.base.at(0)) return *base;
-  if (auto base = pages_->try_load([&] { return pages_->load.base(field); }))
+  if (auto base = pages_->try_load([&] { return pages_->load.base(field, *head_); }))
     return pages.base.put(0, std::move(*base));
   pages.empty_base.values.resize(head_->shape.n_base_vertices);
   return pages.empty_base;
@@ -344,7 +372,15 @@ double PackedHierarchy::value(std::uint32_t vertex, std::size_t field) const {
 
 StoredFacts PackedHierarchy::facts(std::uint32_t node, std::size_t field) const {
   const FieldPages& pages = *pages_->fields[field];
-  return to_facts(page_of(node, pages).facts(node % kPageNodes), base_of(pages).scale);
+  const FieldBase& base = base_of(pages);
+  const FieldPage* page = pages.pages.at(node / kPageNodes);
+  if (page == nullptr) {
+    const auto place = front_place(node);
+    if (place && *place < base.front.facts.size())
+      return to_facts(base.front.facts[*place], base.scale);
+    page = &load(node / kPageNodes, field);
+  }
+  return to_facts(page->facts(node % kPageNodes), base.scale);
 }
 
 float PackedHierarchy::world_error(std::uint32_t node, std::size_t field) const {
@@ -352,22 +388,41 @@ float PackedHierarchy::world_error(std::uint32_t node, std::size_t field) const 
   if (worlds.size() == 0) return std::numeric_limits<float>::infinity();
   const std::uint32_t number = node / kPageNodes;
   const WorldPage* page = worlds.at(number);
-  if (page == nullptr) page = &load_world(number, field);
+  if (page == nullptr) {
+    const WorldPage& front = base_of(*pages_->fields[field]).front.world_errors;
+    const auto place = front_place(node);
+    if (place && *place < front.size()) return world_codes_.error(front[*place]);
+    page = &load_world(number, field);
+  }
   return world_codes_.error((*page)[node % kPageNodes]);
 }
 
 bool PackedHierarchy::has_facts(std::uint32_t node, std::size_t field) const {
-  return pages_->fields[field]->pages.at(node / kPageNodes) != nullptr;
+  const FieldPages& pages = *pages_->fields[field];
+  if (pages.pages.at(node / kPageNodes) != nullptr) return true;
+  const auto place = front_place(node);
+  return place && *place < base_of(pages).front.facts.size();
 }
 
 Bounds PackedHierarchy::bounds(std::uint32_t node) const {
-  const NodePage& page = page_of(node);
-  const Box3d box = box_codes_.box(page.position(node % kPageNodes), page.box(node % kPageNodes));
+  const NodePage* page = pages_->nodes.at(node / kPageNodes);
+  const auto place = page == nullptr ? front_place(node) : std::nullopt;
+  if (page == nullptr && !place) page = &load(node / kPageNodes);
+  const Box3d box =
+      place ? box_codes_.box(head_->front->boxes[*place])
+            : box_codes_.box(page->position(node % kPageNodes), page->box(node % kPageNodes));
   return {(box.lower + box.upper) * 0.5, 0, (box.upper - box.lower) * 0.5};
 }
 
 std::uint64_t PackedHierarchy::region_mask(std::uint32_t node) const {
-  return page_of(node).region_mask(node % kPageNodes);
+  const NodePage* page = pages_->nodes.at(node / kPageNodes);
+  if (page == nullptr) {
+    const auto place = front_place(node);
+    if (place && head_->front->region_masks.empty()) return kAllRegions;
+    if (place) return head_->front->region_masks[*place];
+    page = &load(node / kPageNodes);
+  }
+  return page->region_mask(node % kPageNodes);
 }
 
 std::size_t PackedHierarchy::n_page_bytes() const {

@@ -14,6 +14,7 @@
 #include "lode/core/scalar_type.h"
 #include "lode/models/tetra_mt/build_record.h"
 #include "lode/models/tetra_mt/field_page.h"
+#include "lode/models/tetra_mt/front_nodes.h"
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/node_page.h"
 #include "lode/models/tetra_mt/page_tree.h"
@@ -52,6 +53,8 @@ struct HierarchyHead {
   std::vector<std::string> region_names;    ///< TetraMesh's.
   std::vector<BoundaryPatch> patches;       ///< By id, ascending.
   std::vector<std::uint32_t> base_regions;  ///< Hierarchy's.
+  /// Where pages come from a file; else none.
+  std::shared_ptr<const FrontNodes> front{};
 
   [[nodiscard]] std::uint32_t n_vertices() const { return shape.n_base_vertices + shape.n_nodes; }
   [[nodiscard]] std::uint32_t outside() const { return n_vertices(); }
@@ -68,20 +71,23 @@ struct HierarchyHead {
 struct FieldBase {
   ValueScale scale;            ///< Of all its values: from Field::low to high.
   std::vector<double> values;  ///< By vertex of the base.
+  FrontFacts front{};          ///< Of none where there is no HierarchyHead::front.
 };
 
 /// A Hierarchy in pages, and in these field by field: all in memory, or each from a file when it is
-/// looked at first, to stay. Const members are safe from many threads.
+/// looked at first, to stay. What a file says of nodes that the base waits for is there with the
+/// base, for as long as their pages are not. Const members are safe from many threads.
 class PackedHierarchy {
  public:
   /// What pages have, checked against the head; called by one thread at a time.
   struct Load {
     std::function<Result<PageContent>(std::uint32_t page)> links;
-    std::function<Result<FieldBase>(std::size_t field)> base;
+    std::function<Result<FieldBase>(std::size_t field, const HierarchyHead& head)> base;
     std::function<Result<FieldContent>(std::size_t field, std::uint32_t page, const PageTree& tree,
-                                       const ValueScale& scale)>
+                                       const FieldBase& base)>
         field;
-    std::function<Result<WorldPage>(std::size_t field, std::uint32_t page)> world_errors;
+    std::function<Result<WorldPage>(std::size_t field, std::uint32_t page, const FieldBase& base)>
+        world_errors;
   };
 
   /// All of it, in memory. `n_cells`: of the reference mesh.
@@ -99,7 +105,7 @@ class PackedHierarchy {
   [[nodiscard]] StoredFacts facts(std::uint32_t node, std::size_t field) const;
   /// Infinite where the field has none.
   [[nodiscard]] float world_error(std::uint32_t node, std::size_t field) const;
-  /// Whether they are in memory.
+  /// Whether they are known without a page that is not in memory.
   [[nodiscard]] bool has_facts(std::uint32_t node, std::size_t field) const;
   /// A box that holds all it discovers.
   [[nodiscard]] Bounds bounds(std::uint32_t node) const;
@@ -130,6 +136,10 @@ class PackedHierarchy {
   [[nodiscard]] const NodePage& page_of(std::uint32_t node) const;
   [[nodiscard]] const FieldPage& page_of(std::uint32_t node, const FieldPages& field) const;
   [[nodiscard]] const FieldBase& base_of(const FieldPages& field) const;
+  /// Its place among those that the base waits for.
+  [[nodiscard]] std::optional<std::uint32_t> front_place(std::uint32_t node) const {
+    return head_->front ? head_->front->find(node) : std::nullopt;
+  }
   const NodePage& load(std::uint32_t number) const;
   const FieldPage& load(std::uint32_t number, std::size_t field) const;
   const FieldBase& load_base(std::size_t field) const;
@@ -143,6 +153,10 @@ class PackedHierarchy {
 
 /// What is to be in memory from the beginning. `n_cells`: of the reference mesh.
 [[nodiscard]] HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells);
+
+/// HierarchyHead::front of its file. `head`: its own.
+[[nodiscard]] FrontNodes front_of(const Hierarchy& hierarchy, const HierarchyHead& head);
+[[nodiscard]] FrontBase front_base_of(const HierarchyHead& head);
 
 /// What a page of a hierarchy has.
 [[nodiscard]] PageContent content_of(const Hierarchy& hierarchy, std::uint32_t number);
@@ -165,6 +179,10 @@ struct NumberedField {
 [[nodiscard]] FieldBase base_of(const NumberedField& field, const PageShape& shape);
 [[nodiscard]] WorldPage world_page_of(const NumberedField& field, const WorldCodes& codes,
                                       const PageShape& shape, std::uint32_t number);
+/// FieldBase::front of its file. `nodes`: FrontNodes'.
+[[nodiscard]] FrontFacts front_facts_of(const NumberedField& field, const ValueScale& scale,
+                                        const WorldCodes& codes,
+                                        std::span<const std::uint32_t> nodes);
 /// What a page has for it. `scale`: base_of()'s.
 [[nodiscard]] FieldContent content_of(const NumberedField& field, const ValueScale& scale,
                                       const PageShape& shape, std::uint32_t number);

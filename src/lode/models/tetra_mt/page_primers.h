@@ -15,7 +15,7 @@ namespace lode::tetra_mt {
 
 /// Pages of which models learn what pages are like, before those of all others: spread evenly,
 /// ascending. Few, as whoever reads any page reads these.
-inline constexpr std::uint32_t kMostPrimers = 4;
+inline constexpr std::uint32_t kMostPrimers = 3;
 [[nodiscard]] inline std::vector<std::uint32_t> primers_of(std::uint32_t n_pages) {
   std::vector<std::uint32_t> primers;
   for (std::uint64_t k = 0; k < kMostPrimers && n_pages > 0; ++k) {

@@ -24,7 +24,10 @@ Result<ValueScale> read_scale(StreamReader& in, const HierarchyHead::Field& fiel
 }  // namespace
 
 PageSource::PageSource(std::shared_ptr<const store::Reader> reader, const HierarchyHead& head)
-    : reader_(std::move(reader)), shape_(head.shape) {
+    : reader_(std::move(reader)),
+      shape_(head.shape),
+      box_codes_(head.lower, head.upper),
+      front_(head.front) {
   for (const HierarchyHead::Field& field : head.fields) {
     fields_.push_back(std::make_unique<OfField>());
     fields_.back()->head = field;
@@ -46,7 +49,27 @@ Result<void> PageSource::check() const {
 
 Result<PageContent> PageSource::links(std::uint32_t page) const {
   LODE_TRY(const auto* const primers, link_primers());
-  return primers->page(page, [&](LinkModels& models) { return read_links(page, models); });
+  LODE_TRY(auto content,
+           primers->page(page, [&](LinkModels& models) { return read_links(page, models); }));
+  LODE_CHECK(check_front(page, key_of(Kind::links, page), [&](std::size_t i, std::size_t place) {
+    return box_codes_.lines(content.positions[i], content.boxes[i]) == front_->boxes[place] &&
+           (content.region_masks.empty() || content.region_masks[i] == front_->region_masks[place]);
+  }));
+  return content;
+}
+
+template <typename IsSame>
+Result<void> PageSource::check_front(std::uint32_t page, const store::BlockKey& key,
+                                     const IsSame& is_same) const {
+  const std::uint32_t first = page * kPageNodes;
+  const std::vector<std::uint32_t>& nodes = front_->nodes;
+  const auto begin = std::ranges::lower_bound(nodes, first) - nodes.begin();
+  for (auto k = static_cast<std::size_t>(begin); k < nodes.size() && nodes[k] - first < kPageNodes;
+       ++k)
+    if (!is_same(std::size_t{nodes[k]} - first, k))
+      return fail("{}: node {}: expected what is said of it with the base, got something else",
+                  name_of(key), nodes[k]);
+  return {};
 }
 
 Result<const PageSource::LinkPrimers*> PageSource::link_primers() const {
@@ -66,7 +89,8 @@ Result<PageContent> PageSource::read_links(std::uint32_t page, LinkModels& model
 }
 
 Result<FieldContent> PageSource::field(std::size_t number, std::uint32_t page, const PageTree& tree,
-                                       const ValueScale& scale) const {
+                                       const FieldBase& base) const {
+  const ValueScale& scale = base.scale;
   const auto make = [&]() -> Result<FieldPrimers> {
     LODE_TRY(const auto* const of_links, link_primers());
     return FieldPrimers::of(shape_.n_pages(), [&](std::uint32_t primer, FieldModels& models) {
@@ -75,8 +99,14 @@ Result<FieldContent> PageSource::field(std::size_t number, std::uint32_t page, c
     });
   };
   LODE_TRY(const auto* const primers, fields_[number]->primers.get(make));
-  return primers->page(
-      page, [&](FieldModels& models) { return read_field(number, page, tree, scale, models); });
+  LODE_TRY(auto content, primers->page(page, [&](FieldModels& models) {
+    return read_field(number, page, tree, scale, models);
+  }));
+  const auto key = key_of(Kind::field, page, static_cast<std::uint32_t>(number));
+  LODE_CHECK(check_front(page, key, [&](std::size_t i, std::size_t place) {
+    return content.facts[i] == base.front.facts[place];
+  }));
+  return content;
 }
 
 Result<FieldContent> PageSource::read_field(std::size_t number, std::uint32_t page,
@@ -88,16 +118,20 @@ Result<FieldContent> PageSource::read_field(std::size_t number, std::uint32_t pa
                       models);
 }
 
-Result<WorldPage> PageSource::world_errors(std::size_t field, std::uint32_t page) const {
+Result<WorldPage> PageSource::world_errors(std::size_t field, std::uint32_t page,
+                                           const FieldBase& base) const {
   const auto key = key_of(Kind::world_errors, page, static_cast<std::uint32_t>(field));
   LODE_TRY(const auto bytes, read_block(*reader_, key));
   StreamReader in(bytes, name_of(key));
   LODE_TRY(auto codes, in.read(vertices_of(shape_, page).n));
   LODE_CHECK(in.expect_end());
+  LODE_CHECK(check_front(page, key, [&](std::size_t i, std::size_t place) {
+    return codes[i] == base.front.world_errors[place];
+  }));
   return codes;
 }
 
-Result<FieldBase> PageSource::base(std::size_t number) const {
+Result<FieldBase> PageSource::base(std::size_t number, const HierarchyHead& head) const {
   FieldBase base;
   const std::size_t n_base = shape_.n_base_vertices;
   for (std::size_t first = 0; first == 0 || first < n_base; first += kBasePart) {
@@ -113,6 +147,11 @@ Result<FieldBase> PageSource::base(std::size_t number) const {
     base.values.insert(base.values.end(), values.begin(), values.end());
     LODE_CHECK(in.expect_end());
   }
+  const auto key = key_of(Kind::front_facts, 0, static_cast<std::uint32_t>(number));
+  LODE_TRY(const auto bytes, read_block(*reader_, key));
+  LODE_TRY(base.front,
+           decode_front_facts(bytes, name_of(key), front_->nodes, front_base_of(head), base.values,
+                              base.scale, fields_[number]->head.base_world_error.has_value()));
   return base;
 }
 

@@ -26,9 +26,11 @@ class PageSource {
   [[nodiscard]] Result<void> check() const;
   [[nodiscard]] Result<PageContent> links(std::uint32_t page) const;
   [[nodiscard]] Result<FieldContent> field(std::size_t number, std::uint32_t page,
-                                           const PageTree& tree, const ValueScale& scale) const;
-  [[nodiscard]] Result<WorldPage> world_errors(std::size_t field, std::uint32_t page) const;
-  [[nodiscard]] Result<FieldBase> base(std::size_t number) const;
+                                           const PageTree& tree, const FieldBase& base) const;
+  [[nodiscard]] Result<WorldPage> world_errors(std::size_t field, std::uint32_t page,
+                                               const FieldBase& base) const;
+  /// `head`: with its base, which this was made of.
+  [[nodiscard]] Result<FieldBase> base(std::size_t number, const HierarchyHead& head) const;
   /// Codes at vertices of a page of nodes, or of the base's.
   [[nodiscard]] Result<std::vector<std::uint32_t>> gradients(std::size_t field,
                                                              std::uint32_t page) const;
@@ -46,6 +48,11 @@ class PageSource {
 
   [[nodiscard]] std::string name_of(const store::BlockKey& key) const;
   [[nodiscard]] Result<void> expect(const store::BlockKey& key) const;
+  /// Fails unless `is_same(node's place in the page, its place in the front)` of all nodes of a
+  /// page that the base waits for.
+  template <typename IsSame>
+  [[nodiscard]] Result<void> check_front(std::uint32_t page, const store::BlockKey& key,
+                                         const IsSame& is_same) const;
   [[nodiscard]] Result<const LinkPrimers*> link_primers() const;
   [[nodiscard]] Result<PageContent> read_links(std::uint32_t page, LinkModels& models) const;
   [[nodiscard]] Result<FieldContent> read_field(std::size_t number, std::uint32_t page,
@@ -57,6 +64,8 @@ class PageSource {
 
   std::shared_ptr<const store::Reader> reader_;
   PageShape shape_;
+  BoxCodes box_codes_;
+  std::shared_ptr<const FrontNodes> front_;
   std::unique_ptr<Lazy<LinkPrimers>> link_primers_ = std::make_unique<Lazy<LinkPrimers>>();
   std::vector<std::unique_ptr<OfField>> fields_;
 };

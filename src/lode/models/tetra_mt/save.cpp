@@ -23,16 +23,6 @@ std::vector<std::byte> encode_vertices(const HierarchyHead& head, std::size_t fi
   return std::move(out).take();
 }
 
-std::vector<std::byte> encode_tetrahedra(const HierarchyHead& head, std::size_t first,
-                                         std::size_t n) {
-  StreamWriter out;
-  write_corners(std::span(head.base).subspan(first, n), out);
-  write_differences_of(std::span(head.base_makers).subspan(first, n), out);
-  if (head.shape.n_labels > 1)
-    write_differences_of(std::span(head.base_regions).subspan(first, n), out);
-  return std::move(out).take();
-}
-
 Result<void> append_base(const HierarchyHead& head, store::Writer& writer) {
   const auto append = [&](Kind kind, std::size_t n, const auto& encode) {
     return append_parts(
@@ -40,8 +30,12 @@ Result<void> append_base(const HierarchyHead& head, store::Writer& writer) {
   };
   LODE_CHECK(append(Kind::base_vertices, head.base_positions.size(),
                     [&](auto first, auto n) { return encode_vertices(head, first, n); }));
-  LODE_CHECK(append(Kind::base_tetrahedra, head.base.size(),
-                    [&](auto first, auto n) { return encode_tetrahedra(head, first, n); }));
+  const BaseTetrahedra base{head.base, head.base_makers, head.base_regions};
+  LODE_CHECK(writer.append(key_of(Kind::base_tetrahedra, 0),
+                           as_block(encode_base(base, base_limits_of(head)))));
+  LODE_CHECK(writer.append(
+      key_of(Kind::front, 0),
+      as_block(encode_front(*head.front, front_base_of(head), BoxCodes(head.lower, head.upper)))));
   return append(Kind::roots, head.roots.size(), [&](auto first, auto n) {
     StreamWriter out;
     write_differences_of(std::span(head.roots).subspan(first, n), out);
@@ -130,6 +124,12 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
     LODE_CHECK(
         writer.append(key_of(Kind::base_field, part, number), as_block(std::move(out).take())));
   }
+  const WorldCodes codes(head.lower, head.upper);
+  const auto front = front_facts_of(field, base.scale, codes, head.front->nodes);
+  LODE_CHECK(
+      writer.append(key_of(Kind::front_facts, 0, number),
+                    as_block(encode_front_facts(front, head.front->nodes, front_base_of(head),
+                                                base.values, base.scale))));
   LODE_CHECK(append_primed<FieldModels>(
       shape.n_pages(), Kind::field, number,
       [&](std::uint32_t page, FieldModels& models) {
@@ -138,7 +138,6 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
       },
       threads, no_report, writer));
   if (field.has_world_errors) {
-    const WorldCodes codes(head.lower, head.upper);
     for (std::uint32_t page = 0; page < shape.n_pages(); ++page) {
       StreamWriter out;
       out.add(world_page_of(field, codes, shape, page));
@@ -159,6 +158,7 @@ Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
                            const GradientsOf& gradients, const std::string& path, Threads threads,
                            Progress& progress) {
   HierarchyHead head = head_of(hierarchy, n_cells);
+  head.front = std::make_shared<const FrontNodes>(front_of(hierarchy, head));
   head.fields.clear();
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
   LODE_CHECK(append_base(head, writer));

@@ -69,7 +69,6 @@ const TetraCut::Read& TetraCut::read(std::uint32_t node) const {
   if (read.node == node) return read;
   NodePage::Links links = hierarchy_->links(node);
   read.node = node;
-  read.target = links.target();
   read.n_discovered = links.n_discovered();
   const std::uint32_t n_children = links.n_children();
   for (std::uint32_t k = 0; k < n_children; ++k) read.children.items[k] = links.next_node();
@@ -77,6 +76,8 @@ const TetraCut::Read& TetraCut::read(std::uint32_t node) const {
   read.children.n = n_children + std::size_t{1};
   read.parents.n = links.n_parents();
   for (std::size_t k = 0; k < read.parents.n; ++k) read.parents.items[k] = links.next_node();
+  const auto place = links.target_parent();
+  read.target = place ? head().shape.n_base_vertices + read.parents.items[*place] : links.target();
   links.start_makers();
   read.rest = links;
   return read;

@@ -124,6 +124,14 @@ Result<void> check_counts(const ForestHead& head, const ForestCounts& counts,
 
 }  // namespace
 
+BaseLimits base_limits_of(const ForestHead& head, std::uint32_t n_roots) {
+  BaseLimits limits{.n_vertices = n_roots, .outside = n_roots};
+  if (head.has_regions())
+    limits.n_labels = {static_cast<std::uint32_t>(std::max<std::size_t>(1, head.region_ids.size())),
+                       static_cast<std::uint32_t>(head.patches.size()) + 1};
+  return limits;
+}
+
 std::vector<std::byte> encode_head(const ForestHead& head) {
   store::ByteWriter out;
   out.write(kLayout);

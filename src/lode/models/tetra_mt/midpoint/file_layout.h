@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lode/core/progress.h"
+#include "lode/models/tetra_mt/base_order.h"
 #include "lode/models/tetra_mt/midpoint/forest.h"
 #include "lode/store/format.h"
 #include "lode/store/writer.h"
@@ -28,7 +29,7 @@ enum class Kind : std::uint32_t {
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 5;
+inline constexpr std::uint32_t kLayout = 6;
 
 /// Pages of which a block of the table tells.
 inline constexpr std::uint32_t kTablePart = 1U << 12;
@@ -52,6 +53,9 @@ struct ForestCounts {
 /// All but the table, roots and tetrahedra. Fails on what no hierarchy has.
 [[nodiscard]] Result<ForestHead> decode_head(std::span<const std::byte> bytes,
                                              const std::string& path, ForestCounts& counts);
+
+/// Of its base, whose vertices are n_roots.
+[[nodiscard]] BaseLimits base_limits_of(const ForestHead& head, std::uint32_t n_roots);
 
 /// Of a page of nodes; called by many threads at once.
 using NodesOf = std::function<ForestPage(std::uint32_t page)>;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "lode/models/tetra_mt/base_order.h"
 #include "lode/models/tetra_mt/face_labels.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
@@ -302,19 +303,22 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
     const PositionCode& at = codes_[v];
     made_.root_codes.push_back({at[0], at[1], at[2], 0});
   }
-  // Near ones are near in files.
+  // From one of the first vertices on, wherever its slot is.
   std::vector<std::pair<Tetrahedron, std::size_t>> sorted;
   for (std::size_t i = 0; i < made_.base.size(); ++i) {
     sorted.emplace_back(made_.base[i], i);
     std::ranges::sort(sorted.back().first, std::greater());
   }
   std::ranges::sort(sorted);
-  const std::vector<Tetrahedron> base = std::exchange(made_.base, {});
-  const std::vector<std::uint32_t> regions = std::exchange(made_.base_regions, {});
+  BaseTetrahedra base;
   for (const auto& [corners, i] : sorted) {
-    made_.base.push_back(base[i]);
-    if (made_.has_regions()) made_.base_regions.push_back(regions[i]);
+    base.corners.push_back(made_.base[i]);
+    base.makers.push_back(kNone);
+    if (made_.has_regions()) base.regions.push_back(made_.base_regions[i]);
   }
+  base = in_base_order(base);
+  made_.base = std::move(base.corners);
+  made_.base_regions = std::move(base.regions);
 }
 
 /// Nested along the forest: children have smaller labels, so they are known. Balls are those that

@@ -22,14 +22,13 @@ class ForestBaseReader {
       : reader_(reader), counts_(counts), head_(head) {}
 
   Result<void> run() {
-    LODE_CHECK(check_base_memory(
-        reader_, counts_.n_tetrahedra * (sizeof(Tetrahedron) + sizeof(std::uint32_t)) +
-                     counts_.n_roots * (sizeof(Code) + 2 * sizeof(std::uint32_t))));
+    LODE_CHECK(check_base_memory(reader_,
+                                 counts_.n_tetrahedra * kBaseTetrahedronBytes +
+                                     counts_.n_roots * (sizeof(Code) + 2 * sizeof(std::uint32_t))));
     LODE_CHECK(read_table());
     LODE_CHECK(read_parts(reader_, counts_.n_roots, keys_of(Kind::roots),
                           [&](StreamReader& in, std::size_t n) { return read_roots(in, n); }));
-    LODE_CHECK(read_parts(reader_, counts_.n_tetrahedra, keys_of(Kind::base_tetrahedra),
-                          [&](StreamReader& in, std::size_t n) { return read_tetrahedra(in, n); }));
+    LODE_CHECK(read_tetrahedra());
     const auto n_inside = std::ranges::count_if(head_.base, [&](const Tetrahedron& t) {
       return std::ranges::find(t, head_.outside()) == t.end();
     });
@@ -120,17 +119,16 @@ class ForestBaseReader {
     return {};
   }
 
-  Result<void> read_tetrahedra(StreamReader& in, std::size_t n) {
-    LODE_TRY(auto tetrahedra, read_corners(in, n, counts_.n_roots, counts_.n_roots));
-    if (head_.has_regions()) {
-      LODE_TRY(const auto marks, read_marks(in, tetrahedra, counts_.n_roots,
-                                            head_.region_ids.size(), head_.patches.size()));
-      head_.base_regions.insert(head_.base_regions.end(), marks.begin(), marks.end());
-    }
-    for (Tetrahedron& t : tetrahedra) {
+  Result<void> read_tetrahedra() {
+    const auto key = key_of(Kind::base_tetrahedra, 0);
+    LODE_TRY(const auto bytes, read_block(reader_, key));
+    LODE_TRY(auto base,
+             decode_base(bytes, counts_.n_tetrahedra, base_limits_of(head_, counts_.n_roots),
+                         reader_.path() + ": " + store::describe(key)));
+    for (Tetrahedron& t : base.corners)
       for (std::uint32_t& v : t) v = v == counts_.n_roots ? head_.outside() : head_.roots[v];
-      head_.base.push_back(t);
-    }
+    head_.base = std::move(base.corners);
+    head_.base_regions = std::move(base.regions);
     return {};
   }
 

@@ -38,18 +38,14 @@ std::vector<std::byte> encode_roots(const ForestHead& head, std::size_t first, s
 }
 
 /// Corners are places of roots, and how many there are for the vertex outside.
-std::vector<std::byte> encode_tetrahedra(const ForestHead& head, std::size_t first, std::size_t n) {
-  std::vector<Tetrahedron> tetrahedra;
-  for (Tetrahedron t : std::span(head.base).subspan(first, n)) {
+std::vector<std::byte> encode_tetrahedra(const ForestHead& head) {
+  BaseTetrahedra base{head.base, std::vector<std::uint32_t>(head.base.size(), kNone),
+                      head.base_regions};
+  for (Tetrahedron& t : base.corners)
     for (std::uint32_t& v : t)
       v = static_cast<std::uint32_t>(v == head.outside() ? head.roots.size()
                                                          : head.place_of_root(v));
-    tetrahedra.push_back(t);
-  }
-  StreamWriter out;
-  write_corners(tetrahedra, out);
-  if (head.has_regions()) write_differences_of(std::span(head.base_regions).subspan(first, n), out);
-  return std::move(out).take();
+  return encode_base(base, base_limits_of(head, static_cast<std::uint32_t>(head.roots.size())));
 }
 
 Result<void> append_base(const Hierarchy& head, store::Writer& writer) {
@@ -62,8 +58,7 @@ Result<void> append_base(const Hierarchy& head, store::Writer& writer) {
   }));
   LODE_CHECK(append(Kind::roots, head.roots.size(), kBasePart,
                     [&](auto first, auto n) { return encode_roots(head, first, n); }));
-  LODE_CHECK(append(Kind::base_tetrahedra, head.base.size(), kBasePart,
-                    [&](auto first, auto n) { return encode_tetrahedra(head, first, n); }));
+  LODE_CHECK(writer.append(key_of(Kind::base_tetrahedra, 0), as_block(encode_tetrahedra(head))));
   return append(Kind::coincident_leaves, head.coincident_leaves.size(), kBasePart,
                 [&](auto first, auto n) {
                   StreamWriter out;
