@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
@@ -129,6 +131,18 @@ TEST(box_codes, hold_boxes_closely_and_nest) {
   }
   const BoxCodes none({{1, 1, 1}}, {{1, 1, 1}});
   EXPECT_EQ(none.box({{1, 1, 1}}, 0), (Box3d{{{1, 1, 1}}, {{1, 1, 1}}}));
+}
+
+TEST(box_codes, have_lines_of_any_domain_and_coordinate) {
+  const Vec3d origin;
+  const double least = std::numeric_limits<double>::denorm_min();
+  const BoxCodes narrow(origin, {{least, least, 0}});  // which no steps divide
+  EXPECT_EQ(narrow.lines_round({origin, {{least, least, 0}}}, 15), BoxCodes::Lines{.exponent = 15});
+  EXPECT_EQ(narrow.lines(origin, 15), BoxCodes::Lines{});
+  const BoxCodes codes(origin, {{1, 1, 1}});
+  const BoxCodes::Lines far = codes.lines_round({{{-1e300, 0, 0}}, {{0, 1e300, 0.5}}}, 15);
+  EXPECT_EQ(far.lower, (std::array{-(1 << 20), 0, 0}));
+  EXPECT_EQ(far.upper, (std::array{0, 1 << 20, 1 << 13}));
 }
 
 TEST(tetra_pages, come_back_from_their_bytes) {

@@ -1,5 +1,8 @@
 #include "lode/models/tetra_mt/base_order.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "lode/core/expects.h"
 
 namespace lode::tetra_mt {
@@ -9,7 +12,7 @@ class BaseOrderer {
  public:
   explicit BaseOrderer(const BaseTetrahedra& base)
       : base_(base), across_(find_across(base.corners)), is_there_(base.corners.size(), 0) {
-    gates_.reserve(base.corners.size());
+    came_.reserve(base.corners.size());
     ordered_.corners.reserve(base.corners.size());
     ordered_.makers.reserve(base.corners.size());
     ordered_.regions.reserve(base.regions.size());
@@ -19,7 +22,7 @@ class BaseOrderer {
     for (std::uint32_t first = 0; first < is_there_.size(); ++first) {
       if (is_there_[first] != 0) continue;
       add(first, base_.corners[first]);
-      for (; next_ < gates_.size(); ++next_) walk_on(gates_[next_]);
+      for (; next_ < came_.size(); ++next_) walk_on(came_[next_]);
     }
     return std::move(ordered_);
   }
@@ -27,7 +30,7 @@ class BaseOrderer {
  private:
   void add(std::uint32_t index, const Tetrahedron& corners) {
     is_there_[index] = 1;
-    gates_.push_back(index);
+    came_.push_back(index);
     ordered_.corners.push_back(corners);
     ordered_.makers.push_back(base_.makers[index]);
     if (!base_.regions.empty()) ordered_.regions.push_back(base_.regions[index]);
@@ -64,7 +67,7 @@ class BaseOrderer {
   const BaseTetrahedra& base_;
   std::vector<std::array<std::uint32_t, 4>> across_;
   std::vector<std::uint8_t> is_there_;
-  std::vector<std::uint32_t> gates_;  ///< Those there, as they came.
+  std::vector<std::uint32_t> came_;  ///< Those there, as they came.
   std::size_t next_ = 0;
   BaseTetrahedra ordered_;
 };

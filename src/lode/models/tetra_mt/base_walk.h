@@ -4,19 +4,16 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "lode/core/flat_index.h"
 #include "lode/core/result.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
-#include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/number_models.h"
+#include "lode/models/tetra_mt/open_faces.h"
 
 namespace lode::tetra_mt {
 
@@ -56,52 +53,9 @@ struct BaseModels {
   WideModel labels;
 };
 
-/// Numbers of faces, by their corners; in a hash map where these fit into 64 bits, as they do up to
-/// two million vertices.
-class OpenFaces {
- public:
-  /// Corners are below n_vertices, or the one number above that stands for the vertex outside.
-  explicit OpenFaces(std::uint32_t n_vertices)
-      : n_vertices_(n_vertices), n_bits_(static_cast<int>(std::bit_width(n_vertices))) {}
-
-  [[nodiscard]] std::uint32_t find(const FaceKey& face) const {
-    if (is_packed()) return few_.find(packed(face));
-    const auto at = many_.find(face);
-    return at == many_.end() ? kNone : at->second;
-  }
-  /// A face that is not there.
-  void insert(const FaceKey& face, std::uint32_t number) {
-    if (is_packed())
-      few_.insert(packed(face), number);
-    else
-      many_.emplace(face, number);
-  }
-  void erase(const FaceKey& face) {
-    if (is_packed())
-      few_.erase(packed(face));
-    else
-      many_.erase(face);
-  }
-
- private:
-  [[nodiscard]] bool is_packed() const { return 3 * n_bits_ <= 64; }
-  [[nodiscard]] std::uint64_t packed(const FaceKey& face) const {
-    std::uint64_t key = 0;
-    for (const std::uint64_t corner :
-         {face.first >> 32, face.first & 0xFFFFFFFFU, std::uint64_t{face.last}})
-      key = key << n_bits_ | std::min<std::uint64_t>(corner, n_vertices_);
-    return key;
-  }
-
-  std::uint32_t n_vertices_;
-  int n_bits_;
-  FlatIndex few_;
-  std::map<FaceKey, std::uint32_t> many_;
-};
-
 /// Walks from face to face: each tetrahedron comes at the first face, in the order in which they
 /// came, that has none across, and its last corner is mostly what is across an edge of that face
-/// already. In an order that is not base_order()'s more of them begin anew, and take more bits.
+/// already. In an order that is not in_base_order()'s more of them begin anew, and take more bits.
 template <typename Coder>
 class BaseWalk {
  public:
@@ -295,9 +249,10 @@ class BaseWalk {
     return face_key(face[0], face[1], face[2]);
   }
 
-  /// Maker and region of the last one. `beside`: makers of those beside it; `last`: one of these.
+  /// Maker and region of the last one. `beside`: makers of those beside it; `through`: the one
+  /// across whose face it came, if any.
   Result<void> code_data(const std::array<std::uint32_t, 4>& beside, std::uint32_t n,
-                         std::size_t is_candidate, std::uint32_t last) {
+                         std::size_t is_candidate, std::uint32_t through) {
     const std::size_t index = across_.size() - 1;
     std::uint32_t& maker = mesh_->makers[index];
     bool is_beside = false;
@@ -313,7 +268,7 @@ class BaseWalk {
     const std::size_t side = std::ranges::find(corners, limits_.outside) != corners.end() ? 1 : 0;
     std::uint32_t& label = mesh_->regions[index];
     std::uint32_t expected = last_label_[side];
-    if (last != kNone && is_on(side, last)) expected = mesh_->regions[last];
+    if (through != kNone && is_on(side, through)) expected = mesh_->regions[through];
     if (coder_.bit(models_.is_last_label[side], label == expected)) {
       label = expected;
     } else {
