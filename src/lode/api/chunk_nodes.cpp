@@ -28,10 +28,16 @@ Result<void> ChunkNodes::find(ExtractReport& report, Progress& progress) {
       .none = [&] { return diamond::NodeSet<3>(field.shape); },
       .max_bytes = node_bytes,
       .critical =
-          [&](double isovalue) {
+          [&](double isovalue, const diamond::NodeSet<3>& nodes) {
             return diamond::find_critical_nodes(
                 field, chunks_.blocks,
-                {isovalue, *options_.keep_topology, options_.threads, node_bytes}, progress);
+                {.isovalue = isovalue,
+                 .persistence = *options_.keep_topology,
+                 .threads = options_.threads,
+                 .max_bytes = node_bytes,
+                 .tolerance = query_of<3>(isovalue, options_, report).cut_tolerance(),
+                 .refined = &nodes},
+                progress);
           },
       .within_distance =
           [&](double isovalue, diamond::NodeSet<3> nodes) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -18,45 +19,65 @@ std::vector<double> sorted_isovalues(std::vector<double> isovalues) {
   return isovalues;
 }
 
-Result<void> add_critical_nodes(const ExtractOptions& options, const NodeSearch& search,
-                                NodeSearch::Nodes& nodes, ExtractReport& report,
-                                Progress& progress) {
-  for (const double isovalue : sorted_isovalues(options.isovalues)) {
-    const Stopwatch watch;
-    progress.report("finding critical nodes", 0);
-    LODE_TRY(const diamond::CriticalNodes found, search.critical(isovalue));
-    nodes.join(found.nodes);
-    if (nodes.n_bytes() > search.max_bytes)
-      return fail(
-          "keeping the topology: expected at most {} MB for the nodes that all isovalues take, got "
-          "{} MB: a higher memory limit, or fewer isovalues, leaves room for them",
-          search.max_bytes / 1'000'000, nodes.n_bytes() / 1'000'000 + 1);
-    add_critical(found, watch.seconds(), report);
-  }
-  return {};
+Result<void> check_size(const NodeSearch& search, const NodeSearch::Nodes& nodes) {
+  if (nodes.n_bytes() <= search.max_bytes) return {};
+  return fail(
+      "keeping the topology: expected at most {} MB for the nodes that all isovalues take, got {} "
+      "MB: a higher memory limit, or fewer isovalues, leaves room for them",
+      search.max_bytes / 1'000'000, nodes.n_bytes() / 1'000'000 + 1);
 }
 
-/// Until each isovalue was held to the distance with all the nodes that there are.
-Result<void> add_near_nodes(const ExtractOptions& options, const NodeSearch& search,
-                            NodeSearch::Nodes& nodes, ExtractReport& report) {
+/// With a persistence until each isovalue was looked at with all the nodes that there are. How many
+/// there are more.
+Result<std::uint64_t> add_critical_nodes(const ExtractOptions& options, const NodeSearch& search,
+                                         NodeSearch::Nodes& nodes, ExtractReport& report,
+                                         Progress& progress) {
+  const std::vector<double> isovalues = sorted_isovalues(options.isovalues);
+  const std::size_t n = isovalues.size();
+  const bool depends = *options.keep_topology > 0;
+  std::vector<std::uint64_t> n_critical(n, 0);
+  std::uint64_t n_added = 0;
+  std::size_t n_held = 0;  // The last so many, with these nodes.
+  const Stopwatch watch;
+  for (std::size_t i = 0; n_held < n; i = (i + 1) % n) {
+    progress.report("finding critical nodes", 0);
+    LODE_TRY(const diamond::CriticalNodes found, search.critical(isovalues[i], nodes));
+    nodes.join(found.nodes);
+    LODE_CHECK(check_size(search, nodes));
+    n_critical[i] = found.n_critical;
+    n_added += found.n_nodes;
+    n_held = depends && found.n_nodes > 0 ? 1 : n_held + 1;
+  }
+  report.topology->critical_nodes = std::accumulate(n_critical.begin(), n_critical.end(), 0UL);
+  report.topology->nodes += n_added;
+  report.seconds.topology += watch.seconds();
+  return n_added;
+}
+
+/// Until each isovalue was held to the distance with all the nodes that there are. How many there
+/// are more.
+Result<std::uint64_t> add_near_nodes(const ExtractOptions& options, const NodeSearch& search,
+                                     NodeSearch::Nodes& nodes,
+                                     std::vector<diamond::DistanceCutReport>& found,
+                                     ExtractReport& report) {
   const Stopwatch watch;
   const std::vector<double> isovalues = sorted_isovalues(options.isovalues);
   const std::size_t n = isovalues.size();
-  std::vector<diamond::DistanceCutReport> found(n);
+  std::uint64_t n_added = 0;
   std::size_t n_held = 0;  // The last so many, with these nodes.
   for (std::size_t i = 0; n_held < n; i = (i + 1) % n) {
     LODE_TRY(diamond::DistanceCut cut, search.within_distance(isovalues[i], std::move(nodes)));
     nodes = std::move(cut.nodes);
     n_held = cut.report.n_nodes > 0 ? 1 : n_held + 1;
+    n_added += cut.report.n_nodes;
     cut.report.n_rounds += found[i].n_rounds;
     cut.report.n_nodes += found[i].n_nodes;
     cut.report.n_lost += found[i].n_lost;
     cut.report.lost_size = std::max(cut.report.lost_size, found[i].lost_size);
     found[i] = cut.report;
   }
-  for (const diamond::DistanceCutReport& one : found) add_distance(one, report);
   report.seconds.distance += watch.seconds();
-  return {};
+  return n_added;
 }
 
 }  // namespace
@@ -69,8 +90,20 @@ Result<std::optional<NodeSearch::Nodes>> find_common_nodes(const ExtractOptions&
   const bool has_near = options.max_distance && report.max_error > 0;
   if (!has_critical && !has_near) return std::optional<NodeSearch::Nodes>();
   NodeSearch::Nodes nodes = search.none();
-  if (has_critical) LODE_CHECK(add_critical_nodes(options, search, nodes, report, progress));
-  if (has_near) LODE_CHECK(add_near_nodes(options, search, nodes, report));
+  std::vector<diamond::DistanceCutReport> near(options.isovalues.size());
+  for (std::uint64_t n_added = 1; n_added > 0;) {
+    n_added = 0;
+    if (has_critical) {
+      LODE_TRY(n_added, add_critical_nodes(options, search, nodes, report, progress));
+    }
+    if (has_near) {
+      LODE_TRY(n_added, add_near_nodes(options, search, nodes, near, report));
+    }
+    // What either adds may undo what the other has found.
+    if (!has_critical || !has_near || *options.keep_topology == 0) break;
+  }
+  if (has_near)
+    for (const diamond::DistanceCutReport& one : near) add_distance(one, report);
   return std::optional(std::move(nodes));
 }
 

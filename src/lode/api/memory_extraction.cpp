@@ -17,9 +17,15 @@ Result<std::optional<diamond::NodeSet<3>>> wanted_nodes(const Dataset::Impl& imp
   const NodeSearch search{
       .none = [&] { return diamond::NodeSet<3>(model.shape); },
       .critical =
-          [&](double isovalue) {
+          [&](double isovalue, const diamond::NodeSet<3>& nodes) {
             return diamond::find_critical_nodes(
-                model, {isovalue, *options.keep_topology, options.threads}, progress);
+                model,
+                {.isovalue = isovalue,
+                 .persistence = *options.keep_topology,
+                 .threads = options.threads,
+                 .tolerance = query_of<3>(isovalue, options, report).cut_tolerance(),
+                 .refined = &nodes},
+                progress);
           },
       .within_distance = [&](double isovalue,
                              const diamond::NodeSet<3>& nodes) -> Result<diamond::DistanceCut> {

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <optional>
 
+#include "lode/api/common_nodes.h"
 #include "lode/api/compared_surfaces.h"
 #include "lode/api/simplification.h"
 #include "lode/api/surface_text.h"
@@ -130,18 +131,38 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, do
 }
 
 /// Of all isovalues, which are of one cut where their topology is kept.
+Result<std::optional<diamond::NodeSet<3>>> critical_nodes(const Model<3>& model,
+                                                          const ExpectedSurface& expected,
+                                                          const ExtractOptions& options,
+                                                          Progress& progress) {
+  const NodeSearch search{.none = [&] { return diamond::NodeSet<3>(model.shape); },
+                          .critical =
+                              [&](double isovalue, const diamond::NodeSet<3>& nodes) {
+                                return diamond::find_critical_nodes(
+                                    model,
+                                    {.isovalue = isovalue,
+                                     .persistence = *expected.keep_topology,
+                                     .threads = options.threads,
+                                     .tolerance = expected.tolerance,
+                                     .refined = &nodes},
+                                    progress);
+                              },
+                          .within_distance = {}};
+  ExtractReport report;
+  report.topology = KeptTopology{.persistence = *expected.keep_topology};
+  ExtractOptions kept = options;
+  kept.keep_topology = expected.keep_topology;
+  kept.max_distance.reset();
+  return find_common_nodes(kept, search, report, progress);
+}
+
 template <int D>
 Result<void> add_cuts(const Model<D>& model, const ExpectedSurface& expected,
                       const ExtractOptions& options, Progress& progress, VerifyReport& report) {
   std::optional<diamond::NodeSet<3>> wanted;
   if constexpr (D == 3)
     if (expected.keep_topology) {
-      wanted.emplace(model.shape);
-      for (const double isovalue : options.isovalues) {
-        const diamond::CriticalQuery query{isovalue, *expected.keep_topology, options.threads};
-        LODE_TRY(const auto critical, diamond::find_critical_nodes(model, query, progress));
-        wanted->join(critical.nodes);
-      }
+      LODE_TRY(wanted, critical_nodes(model, expected, options, progress));
     }
   for (const double isovalue : options.isovalues)
     LODE_CHECK(add_cut(model, isovalue, options.threads, expected.tolerance,

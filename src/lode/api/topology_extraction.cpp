@@ -25,10 +25,4 @@ void begin_topology(const ExtractOptions& options, ExtractReport& report) {
                    .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra};
 }
 
-void add_critical(const diamond::CriticalNodes& found, double seconds, ExtractReport& report) {
-  report.seconds.topology += seconds;
-  report.topology->critical_nodes += found.n_critical;
-  report.topology->nodes += found.n_nodes;
-}
-
 }  // namespace lode

@@ -12,7 +12,4 @@ namespace lode {
 /// be searched for that.
 void begin_topology(const ExtractOptions& options, ExtractReport& report);
 
-/// Adds the nodes that keep the topology of one isosurface, and their ancestors, to the report.
-void add_critical(const diamond::CriticalNodes& found, double seconds, ExtractReport& report);
-
 }  // namespace lode

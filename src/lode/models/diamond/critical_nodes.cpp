@@ -5,7 +5,7 @@
 
 #include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/kept_nodes.h"
-#include "lode/models/diamond/refinable.h"
+#include "lode/models/diamond/persistent_nodes.h"
 #include "lode/models/diamond/selection.h"
 #include "lode/models/diamond/side_box.h"
 
@@ -51,21 +51,14 @@ class CriticalSearch {
       std::vector<Index<3>> found;
       for (int level = 0; level < n_levels; ++level) sides.find(level, layer, found);
       for (Index<3>& centre : found) centre = centre * kStep;
-      add(found, {}, [&](const Diamond<3>& node) {
-        const std::size_t at = selection_.index_of(node);
-        const NodeLevel& nodes = field_.levels[as_size(node.level)];
-        return without_bounds(
-            {.error = decode_error(nodes.error[at]), .low = nodes.low[at], .high = nodes.high[at]},
-            field_.range_reference());
-      });
+      add(found, {});
     });
   }
 
   /// The finer ones of some bricks of a part of the field that begins at `origin`: their samples
-  /// and those round them are there. facts(node) asks for its own.
-  template <typename Samples, typename Facts>
-  void find_fine(const Samples& samples, std::span<const Index<3>> bricks, const Index<3>& origin,
-                 const Facts& facts) {
+  /// and those round them are there.
+  template <typename Samples>
+  void find_fine(const Samples& samples, std::span<const Index<3>> bricks, const Index<3>& origin) {
     const int n_levels = std::min(field_.shape.n_levels, kKeptLevel);
     const Index<3>& dims = samples.shape.dims;
     std::vector<SideBox> workers(as_size(n_workers(query_.threads)), SideBox(query_.isovalue));
@@ -85,7 +78,7 @@ class CriticalSearch {
       for (std::size_t row = 0; row < sides.n_rows(); ++row) sides.fill_row(samples, row, 1);
       std::vector<Index<3>> found;
       for (int level = 0; level < n_levels; ++level) sides.find(level, brick, found);
-      add(found, origin, facts);
+      add(found, origin);
     });
   }
 
@@ -98,22 +91,12 @@ class CriticalSearch {
   static constexpr std::int32_t kReach = kStep / 2;
   static_assert(kReach <= FilePart<3>::kMargin);
 
-  template <typename Facts>
-  void add(std::vector<Index<3>>& found, const Index<3>& origin, const Facts& facts) {
-    if (query_.persistence > 0)
-      std::erase_if(
-          found, [&](const Index<3>& centre) { return is_slight(facts(diamond_at<3>(centre))); });
+  void add(const std::vector<Index<3>>& found, const Index<3>& origin) {
     if (found.empty()) return;
     const std::lock_guard lock(mutex_);  // a set, whatever the order
     critical_.n_critical += found.size();
     for (const Index<3>& centre : found)
       critical_.nodes.insert(centre + origin, [&](const Index<3>&) { ++critical_.n_nodes; });
-  }
-  [[nodiscard]] bool is_slight(const NodeFacts& facts) const {
-    const double c = query_.isovalue;
-    const double persistence = query_.persistence;
-    return facts.error <= persistence ||
-           (facts.range.low >= c - persistence && facts.range.high < c + persistence);
   }
 
   const Field& field_;
@@ -127,7 +110,8 @@ class CriticalSearch {
 }  // namespace
 
 Result<CriticalNodes> find_critical_nodes(const Model<3>& model, const CriticalQuery& query,
-                                          const Progress& progress) {
+                                          Progress& progress) {
+  if (query.persistence > 0) return find_persistent_nodes(model, query, progress);
   CriticalSearch<Model<3>> search(model, query, progress);
   if (!model.shape.has_cells()) return search.take();
   search.find_coarse();
@@ -136,14 +120,14 @@ Result<CriticalNodes> find_critical_nodes(const Model<3>& model, const CriticalQ
     const Index<3> brick = point_of<3>(model.brick_dims, i);
     if (search.is_met(brick)) bricks.push_back(brick);
   }
-  const Refinable<3> nodes(model);
-  search.find_fine(model, bricks, {}, [&](const Diamond<3>& node) { return nodes.facts_at(node); });
+  search.find_fine(model, bricks, {});
   if (progress.is_cancelled()) return cancelled_error();
   return search.take();
 }
 
 Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field, store::BlockCache& blocks,
                                           const CriticalQuery& query, Progress& progress) {
+  if (query.persistence > 0) return find_persistent_nodes(field, blocks, query, progress);
   CriticalSearch<CoarseField<3>> search(field, query, progress);
   if (!field.shape.has_cells()) return search.take();
   search.find_coarse();
@@ -160,16 +144,9 @@ Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field, store::Bl
     const auto position = [&](std::size_t number) {
       return point_of<3>(chunk_counts<3>(field.shape), number);
     };
-    if (query.persistence > 0) {
-      LODE_CHECK(part.load(position(chunk), bricks[chunk], {}));
-      part.fill_beside();
-    } else {
-      LODE_CHECK(part.load_samples(position(chunk), bricks[chunk]));
-    }
+    LODE_CHECK(part.load_samples(position(chunk), bricks[chunk]));
     if (chunk + 1 < bricks.size()) part.will_load(position(chunk + 1), bricks[chunk + 1]);
-    const Refinable<3> nodes(part.model());
-    search.find_fine(part.samples(), part.fine(), part.origin(),
-                     [&](const Diamond<3>& node) { return nodes.facts_at(node); });
+    search.find_fine(part.samples(), part.fine(), part.origin());
     if (search.nodes().n_bytes() > query.max_bytes)
       return fail(
           "keeping the topology: expected at most {} MB for the nodes that it takes, got {} MB "

@@ -13,7 +13,8 @@ namespace lode::diamond {
 struct CriticalNodes {
   NodeSet<3> nodes;              ///< With their ancestors: IsosurfaceQuery::wanted.
   std::uint64_t n_critical = 0;  ///< Themselves: also those that reach across the border, refined
-                                 ///< anyway, whose ring it breaks into pieces;
+                                 ///< anyway, whose ring it breaks into pieces; with a persistence
+                                 ///< not those that the cut refines anyway;
   std::uint64_t n_nodes = 0;     ///< and with the ancestors.
 };
 
@@ -22,6 +23,9 @@ struct CriticalQuery {
   double persistence = 0;  ///< Field units.
   Threads threads{};
   std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  ///< Of a file's set.
+  /// With a persistence, what else the cut refines: by its errors,
+  double tolerance = std::numeric_limits<double>::infinity();
+  const NodeSet<3>* refined = nullptr;  ///< and by these. Null: none; with all their ancestors.
 };
 
 /// Finds all nodes of a volume that are critical at an isovalue: refining one changes the topology
@@ -29,13 +33,13 @@ struct CriticalQuery {
 /// round the axis the star's other vertices are not one arc of either side. All others move the
 /// surface without tearing or joining it, in whatever order they are refined, so in a cut with all
 /// critical nodes refined it has the topology of full resolution: docs/models/diamond3d.md, "The
-/// topology kept". After Gerstner and Pajarola, Visualization 2000. Those whose nested error is at
-/// most the persistence, or whose range lies within so much of the isovalue, are left out: what
-/// there is from so far below the isovalue to so far above is kept without them. Only bricks that
-/// the surface may cross are looked at. Deterministic; fails when cancelled.
+/// topology kept". After Gerstner and Pajarola, Visualization 2000. With a persistence the cut's
+/// surface has the topology of another field at the isovalue, which is nowhere farther than that
+/// from this one: so it keeps what there is from so far below the isovalue to so far above. Only
+/// bricks that the surface may cross are looked at. Deterministic; fails when cancelled.
 [[nodiscard]] Result<CriticalNodes> find_critical_nodes(const Model<3>& model,
                                                         const CriticalQuery& query,
-                                                        const Progress& progress);
+                                                        Progress& progress);
 
 /// The same nodes of a file, chunk by chunk, as extract_from_file() goes through it. Fails where
 /// their set takes more than the query lets it.

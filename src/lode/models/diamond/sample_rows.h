@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lode/models/diamond/coarse_field.h"
+#include "lode/models/diamond/flat_field.h"
 #include "lode/models/diamond/model.h"
 
 namespace lode::diamond {
@@ -48,6 +49,16 @@ T* copy_samples(const CoarseField<D>& field, const Index<D>& p, std::int32_t n, 
                 T* to) {
   Index<D> at = p;
   for (std::int32_t i = 0; i < n; ++i, at[0] += step) *to++ = static_cast<T>(field.value(at));
+  return to;
+}
+
+/// As of fields in memory; all of it lies in the data.
+template <typename T>
+T* copy_samples(const FlatField<3>& field, const Index<3>& p, std::int32_t n, std::int32_t step,
+                T* to) {
+  const T* from =
+      reinterpret_cast<const T*>(field.samples.data()) + linear_index<3>(field.shape.dims, p);
+  for (std::int32_t i = 0; i < n; ++i, from += step) *to++ = *from;
   return to;
 }
 

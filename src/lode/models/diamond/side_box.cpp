@@ -1,6 +1,7 @@
 #include "lode/models/diamond/side_box.h"
 
 #include <array>
+#include <cmath>
 
 #include "lode/models/diamond/sample_rows.h"
 
@@ -67,16 +68,6 @@ const Ring& ring_of(const Index<3>& first) {
   return kRings[linear_index<3>(all_equal<3>(3), first + all_equal<3>(1))];
 }
 
-/// As of fields in memory; all of it lies in the data.
-template <typename T>
-T* copy_samples(const FlatField<3>& field, const Index<3>& p, std::int32_t n, std::int32_t step,
-                T* to) {
-  const T* from =
-      reinterpret_cast<const T*>(field.samples.data()) + linear_index<3>(field.shape.dims, p);
-  for (std::int32_t i = 0; i < n; ++i, from += step) *to++ = *from;
-  return to;
-}
-
 }  // namespace
 
 void SideBox::open(const Index<3>& dims, const LatticeBox<3>& box) {
@@ -100,6 +91,13 @@ void SideBox::fill_row(const Field& field, std::size_t row, std::int32_t step) {
       sides_[row * n + x] = is_hole ? hole : value >= isovalue_ ? inside : outside;
     }
   });
+}
+
+void SideBox::set_sides(std::span<const float> values) {
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const float value = values[i];
+    sides_[i] = std::isnan(value) ? hole : std::signbit(value) ? outside : inside;
+  }
 }
 
 void SideBox::find(int level, const LatticeBox<3>& centres, std::vector<Index<3>>& found) const {

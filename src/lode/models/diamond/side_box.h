@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/models/diamond/file_parts.h"
@@ -20,6 +21,11 @@ class SideBox {
   /// `step`: 2^k. Field: Model<3>, CoarseField<3> or FlatField<3>.
   template <typename Field>
   void fill_row(const Field& field, std::size_t row, std::int32_t step);
+
+  [[nodiscard]] const LatticeBox<3>& box() const { return box_; }
+  [[nodiscard]] const Index<3>& dims() const { return dims_; }
+  /// Of values above the isovalue in place of samples, x fastest. NaN: a hole.
+  void set_sides(std::span<const float> values);
 
   /// Appends the critical nodes of a level with centres in a box, without its upper ends; the
   /// samples of their stars are in this one.
