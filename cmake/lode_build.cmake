@@ -29,10 +29,12 @@ endif()
 target_include_directories(lode_settings INTERFACE ${PROJECT_SOURCE_DIR}/src)
 if(LODE_SANITIZE)
   # GCC 12 warns of bounds in code that only instrumenting made; the release build decides.
-  target_compile_options(lode_settings INTERFACE -Wno-error -fsanitize=${LODE_SANITIZE}
-                                                 -fno-omit-frame-pointer
-                                                 -fno-sanitize-recover=all)
-  target_link_options(lode_settings INTERFACE -fsanitize=${LODE_SANITIZE})
+  # Not for targets that have the property LODE_UNSANITIZED.
+  set(is_sanitized $<NOT:$<BOOL:$<TARGET_PROPERTY:LODE_UNSANITIZED>>>)
+  target_compile_options(lode_settings INTERFACE
+    -Wno-error -fno-omit-frame-pointer
+    $<${is_sanitized}:-fsanitize=${LODE_SANITIZE}> $<${is_sanitized}:-fno-sanitize-recover=all>)
+  target_link_options(lode_settings INTERFACE $<${is_sanitized}:-fsanitize=${LODE_SANITIZE}>)
 endif()
 
 if(LODE_BUILD_FUZZERS)

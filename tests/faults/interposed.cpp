@@ -2,14 +2,7 @@
 // definition it finds, for the program and for every library. Each counts, fails where the plan
 // says so, and hands on to the real one.
 #include "tests/faults/interposed.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define LODE_IS_SANITIZED 1
-#elif defined(__has_feature)
-#define LODE_IS_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
-#else
-#define LODE_IS_SANITIZED 0
-#endif
+#include "tests/sanitized.h"
 
 #if LODE_IS_SANITIZED
 // The sanitizers stand there already.

@@ -183,7 +183,10 @@ TEST_P(file_extract_holes, give_the_surface_of_the_model_in_memory) {
 
 /// One in n, at random.
 bool is_random(const Index3& p, std::uint32_t n) {
-  std::uint32_t h = static_cast<std::uint32_t>(p[0] * 73856093 ^ p[1] * 19349663 ^ p[2] * 83492791);
+  const auto scaled = [&](std::size_t axis, std::uint32_t factor) {
+    return static_cast<std::uint32_t>(p[axis]) * factor;
+  };
+  std::uint32_t h = scaled(0, 73856093) ^ scaled(1, 19349663) ^ scaled(2, 83492791);
   h ^= h >> 13;
   h *= 0x5bd1e995U;
   return (h >> 8) % n == 0;

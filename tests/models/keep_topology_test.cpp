@@ -386,6 +386,62 @@ TEST(keep_topology, with_a_persistence_is_that_of_a_field_so_near) {
         }
 }
 
+/// With levels that are not kept apart, and with fewer.
+TEST(keep_topology, with_a_persistence_in_small_volumes_is_that_of_a_field_so_near) {
+  for (std::uint64_t seed = 1; seed <= oracles::trials(300U, 60U) && !HasFailure(); ++seed) {
+    oracles::Random random(seed);
+    Index3 dims;
+    for (std::int32_t& n : dims.v) n = 2 + static_cast<std::int32_t>(random.below(11));
+    if (seed % 3 == 0) dims = {{5, 5, 5}};
+    SCOPED_TRACE(::testing::Message() << dims[0] << " " << dims[1] << " " << dims[2]);
+    const Volume volume = smoothed_noise(dims, seed, static_cast<int>(seed % 2));
+    for (const double max_error : {0.5, kAny})
+      expect_topology_of_relaxed(
+          volume, {.isovalues = {0.1}, .max_error = max_error, .keep_topology = 0.2});
+  }
+}
+
+/// -0 is at 0, not below it.
+TEST(keep_topology, with_a_persistence_at_negative_zero) {
+  for (std::uint64_t seed = 1; seed <= oracles::trials(4U, 2U); ++seed) {
+    RegularGrid grid;
+    grid.dims = {{33, 29, 26}};
+    oracles::Random random(seed);
+    const Volume volume = oracles::volume_of<float>(grid, [&](const Index3& p) {
+      const double wave = std::sin(0.3 * p[0]) + std::cos(0.2 * p[1]) * std::sin(0.25 * p[2]);
+      return -std::round(wave + random.uniform(-0.8, 0.8));
+    });
+    for (const double persistence : {0.5, 1.0, 1.5})
+      expect_topology_of_relaxed(
+          volume, {.isovalues = {0}, .max_error = kAny, .keep_topology = persistence});
+  }
+}
+
+/// What one isovalue has refined is not counted again with the next.
+TEST(keep_topology, with_a_persistence_counts_nodes_once) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{40, 33, 38}}, 7, 1));
+  const auto counted = [&](std::vector<double> isovalues, std::optional<double> max_distance) {
+    Progress progress;
+    Surface surface;
+    const auto report = dataset.extract({.isovalues = std::move(isovalues),
+                                         .max_error = kAny,
+                                         .max_distance = max_distance,
+                                         .keep_topology = 0.1},
+                                        surface, progress);
+    EXPECT_TRUE(report);
+    return *report->topology;
+  };
+  const KeptTopology low = counted({0.1}, {});
+  const KeptTopology high = counted({0.3}, {});
+  const KeptTopology both = counted({0.3, 0.1}, {});
+  const KeptTopology near = counted({0.1}, 2.0);
+  EXPECT_GE(both.critical_nodes, std::max(low.critical_nodes, high.critical_nodes));
+  EXPECT_GE(both.nodes, std::max(low.nodes, high.nodes));
+  EXPECT_LT(both.nodes, low.nodes + high.nodes);
+  EXPECT_GE(near.critical_nodes, low.critical_nodes);
+  EXPECT_GT(low.nodes, low.critical_nodes);
+}
+
 /// Where large parts of what is on one side are within the persistence, and other parts are not.
 TEST(keep_topology, with_a_persistence_far_from_the_surface) {
   for (std::uint64_t seed = 1; seed <= oracles::trials(6U, 2U); ++seed) {
@@ -484,11 +540,13 @@ TEST(keep_topology, verification_checks_the_cut_that_was_extracted) {
 
 TEST(keep_topology, whatever_the_threads) {
   const Dataset dataset = built_in_memory(smoothed_noise({{70, 40, 65}}, 5, 1));
-  const Surface expected = surface_of(dataset, 0.2, kAny, 0.0, {}, 1);
-  for (const int threads : {2, 3, 7}) {
-    const Surface surface = surface_of(dataset, 0.2, kAny, 0.0, {}, threads);
-    EXPECT_TRUE(surface.positions == expected.positions);
-    EXPECT_TRUE(surface.triangles == expected.triangles);
+  for (const double persistence : {0.0, 0.2}) {
+    const Surface expected = surface_of(dataset, 0.2, kAny, persistence, {}, 1);
+    for (const int threads : {2, 3, 7}) {
+      const Surface surface = surface_of(dataset, 0.2, kAny, persistence, {}, threads);
+      EXPECT_TRUE(surface.positions == expected.positions);
+      EXPECT_TRUE(surface.triangles == expected.triangles);
+    }
   }
 }
 

@@ -101,9 +101,8 @@ std::vector<TestBlock> small_blocks() {
 }
 
 std::vector<std::byte> to_bytes(const std::string& text) {
-  std::vector<std::byte> bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  return bytes;
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
 }
 
 void write_file(const std::string& path, std::span<const TestBlock> blocks) {

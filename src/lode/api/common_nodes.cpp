@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -27,31 +26,25 @@ Result<void> check_size(const NodeSearch& search, const NodeSearch::Nodes& nodes
       search.max_bytes / 1'000'000, nodes.n_bytes() / 1'000'000 + 1);
 }
 
-/// With a persistence until each isovalue was looked at with all the nodes that there are. How many
-/// there are more.
-Result<std::uint64_t> add_critical_nodes(const ExtractOptions& options, const NodeSearch& search,
-                                         NodeSearch::Nodes& nodes, ExtractReport& report,
-                                         Progress& progress) {
+/// With a persistence until each isovalue was looked at with all the nodes that there are.
+Result<void> add_critical_nodes(const ExtractOptions& options, const NodeSearch& search,
+                                NodeSearch::Nodes& nodes, ExtractReport& report,
+                                Progress& progress) {
+  const Stopwatch watch;
   const std::vector<double> isovalues = sorted_isovalues(options.isovalues);
   const std::size_t n = isovalues.size();
-  const bool depends = *options.keep_topology > 0;
-  std::vector<std::uint64_t> n_critical(n, 0);
-  std::uint64_t n_added = 0;
   std::size_t n_held = 0;  // The last so many, with these nodes.
-  const Stopwatch watch;
   for (std::size_t i = 0; n_held < n; i = (i + 1) % n) {
     progress.report("finding critical nodes", 0);
     LODE_TRY(const diamond::CriticalNodes found, search.critical(isovalues[i], nodes));
-    nodes.join(found.nodes);
+    const std::uint64_t n_new = nodes.join(found.nodes);
     LODE_CHECK(check_size(search, nodes));
-    n_critical[i] = found.n_critical;
-    n_added += found.n_nodes;
-    n_held = depends && found.n_nodes > 0 ? 1 : n_held + 1;
+    n_held = *options.keep_topology > 0 && n_new > 0 ? 1 : n_held + 1;
+    report.topology->critical_nodes += found.n_critical;
+    report.topology->nodes += n_new;
   }
-  report.topology->critical_nodes = std::accumulate(n_critical.begin(), n_critical.end(), 0UL);
-  report.topology->nodes += n_added;
   report.seconds.topology += watch.seconds();
-  return n_added;
+  return {};
 }
 
 /// Until each isovalue was held to the distance with all the nodes that there are. How many there
@@ -93,14 +86,12 @@ Result<std::optional<NodeSearch::Nodes>> find_common_nodes(const ExtractOptions&
   std::vector<diamond::DistanceCutReport> near(options.isovalues.size());
   for (std::uint64_t n_added = 1; n_added > 0;) {
     n_added = 0;
-    if (has_critical) {
-      LODE_TRY(n_added, add_critical_nodes(options, search, nodes, report, progress));
-    }
+    if (has_critical) LODE_CHECK(add_critical_nodes(options, search, nodes, report, progress));
     if (has_near) {
       LODE_TRY(n_added, add_near_nodes(options, search, nodes, near, report));
     }
-    // What either adds may undo what the other has found.
-    if (!has_critical || !has_near || *options.keep_topology == 0) break;
+    // What the distance adds may undo what a persistence has found.
+    if (!has_critical || *options.keep_topology == 0) break;
   }
   if (has_near)
     for (const diamond::DistanceCutReport& one : near) add_distance(one, report);

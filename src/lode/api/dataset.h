@@ -132,9 +132,10 @@ struct KeptTopology {
   double persistence = 0;   ///< Asked for.
   bool is_searched = true;  ///< Not where all is refined, at a max_error of 0 or of cubes.
   /// Refining one changes the topology; but at the domain's border also some that reach across
-  /// it, which are refined for that anyway, are counted.
+  /// it, which are refined for that anyway, are counted. With a persistence those alone that
+  /// neither the tolerance nor other isovalues refine.
   std::uint64_t critical_nodes = 0;
-  std::uint64_t nodes = 0;  ///< With those that come before them.
+  std::uint64_t nodes = 0;  ///< With those that come before them, each once.
 };
 
 /// How max_distance was kept; of several isovalues sums, and the largest distances.

@@ -8,6 +8,7 @@
 #include "lode/api/compared_surfaces.h"
 #include "lode/api/simplification.h"
 #include "lode/api/surface_text.h"
+#include "lode/api/topology_extraction.h"
 #include "lode/api/verification.h"
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_checks.h"
@@ -148,11 +149,12 @@ Result<std::optional<diamond::NodeSet<3>>> critical_nodes(const Model<3>& model,
                                     progress);
                               },
                           .within_distance = {}};
-  ExtractReport report;
-  report.topology = KeptTopology{.persistence = *expected.keep_topology};
   ExtractOptions kept = options;
   kept.keep_topology = expected.keep_topology;
   kept.max_distance.reset();
+  ExtractReport report;
+  report.max_error = expected.tolerance;
+  begin_topology(kept, report);
   return find_common_nodes(kept, search, report, progress);
 }
 

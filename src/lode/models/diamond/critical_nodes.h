@@ -25,7 +25,8 @@ struct CriticalQuery {
   std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  ///< Of a file's set.
   /// With a persistence, what else the cut refines: by its errors,
   double tolerance = std::numeric_limits<double>::infinity();
-  const NodeSet<3>* refined = nullptr;  ///< and by these. Null: none; with all their ancestors.
+  /// and these: a set that has all ancestors of its nodes. Null: none.
+  const NodeSet<3>* refined = nullptr;
 };
 
 /// Finds all nodes of a volume that are critical at an isovalue: refining one changes the topology
@@ -36,7 +37,8 @@ struct CriticalQuery {
 /// topology kept". After Gerstner and Pajarola, Visualization 2000. With a persistence the cut's
 /// surface has the topology of another field at the isovalue, which is nowhere farther than that
 /// from this one: so it keeps what there is from so far below the isovalue to so far above. Only
-/// bricks that the surface may cross are looked at. Deterministic; fails when cancelled.
+/// bricks that the surface of either field may cross are looked at. Deterministic; fails when
+/// cancelled.
 [[nodiscard]] Result<CriticalNodes> find_critical_nodes(const Model<3>& model,
                                                         const CriticalQuery& query,
                                                         Progress& progress);

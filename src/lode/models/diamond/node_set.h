@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -68,8 +69,9 @@ class NodeSet {
         waiting.push_back(parent);
     }
   }
-  /// With all of another of the same lattice.
-  void join(const NodeSet& other) {
+  /// With all of another of the same lattice. How many of them were not there.
+  std::uint64_t join(const NodeSet& other) {
+    std::uint64_t n_new = 0;
     for (std::size_t at = 0; at < tile_of_.size(); ++at) {
       if (other.tile_of_[at] == 0) continue;
       if (tile_of_[at] == 0) {
@@ -78,8 +80,12 @@ class NodeSet {
       }
       Tile& own = tiles_[tile_of_[at]];
       const Tile& more = other.tiles_[other.tile_of_[at]];
-      for (std::size_t i = 0; i < own.size(); ++i) own[i] |= more[i];
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        n_new += static_cast<std::uint64_t>(std::popcount(more[i] & ~own[i]));
+        own[i] |= more[i];
+      }
     }
+    return n_new;
   }
   void clear() {
     tiles_.resize(1);
@@ -93,6 +99,10 @@ class NodeSet {
     if ((word & bit) != 0) return false;
     word |= bit;
     return true;
+  }
+  /// Takes one that is there away, alone.
+  void reset(const Index<D>& centre) {
+    word_at(centre) &= ~(std::uint64_t{1} << (centre[0] % kRow));
   }
   /// What it takes of memory.
   [[nodiscard]] std::uint64_t n_bytes() const {

@@ -8,10 +8,9 @@ namespace lode::diamond {
 
 Result<CriticalNodes> find_persistent_nodes(const Model<3>& model, const CriticalQuery& query,
                                             Progress& progress) {
-  PersistentSearch<Model<3>> search(model, query);
+  PersistentSearch<Model<3>> search(model, query, progress);
   if (!model.shape.has_cells()) return CriticalNodes{NodeSet<3>(model.shape)};
   return search.run([&](std::span<const Index<3>> bricks, const auto& see) -> Result<void> {
-    if (progress.is_cancelled()) return cancelled_error();
     see(SeenBricks<Model<3>>{model, model, bricks, {}});
     return {};
   });
@@ -19,7 +18,7 @@ Result<CriticalNodes> find_persistent_nodes(const Model<3>& model, const Critica
 
 Result<CriticalNodes> find_persistent_nodes(const CoarseField<3>& field, store::BlockCache& blocks,
                                             const CriticalQuery& query, Progress& progress) {
-  PersistentSearch<CoarseField<3>> search(field, query);
+  PersistentSearch<CoarseField<3>> search(field, query, progress);
   if (!field.shape.has_cells()) return CriticalNodes{NodeSet<3>(field.shape)};
   FilePart<3> part(field, blocks, query.threads);
   const Index<3> chunk_dims = chunk_counts<3>(field.shape);
@@ -41,8 +40,7 @@ Result<CriticalNodes> find_persistent_nodes(const CoarseField<3>& field, store::
       }
       if (i + 1 < by_chunk.size()) part.will_load(position(i + 1), by_chunk[i + 1]);
       see(SeenBricks<FlatField<3>>{part.samples(), part.model(), part.fine(), part.origin()});
-      progress.report("finding critical nodes",
-                      static_cast<double>(i + 1) / static_cast<double>(by_chunk.size()));
+      LODE_CHECK(search.check_size());
     }
     return {};
   });

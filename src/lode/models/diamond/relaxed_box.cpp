@@ -1,5 +1,6 @@
 #include "lode/models/diamond/relaxed_box.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "lode/models/diamond/sample_rows.h"
@@ -26,10 +27,10 @@ void RelaxedBox::fill_row(const Field& field, std::size_t row, std::int32_t step
     for (std::size_t x = 0; x < n; ++x) {
       const auto value = static_cast<double>(samples[x]);
       const bool is_hole = has_holes && field.is_hole(value);
-      // A difference has the sign of what is larger, however small it is.
-      values_[row * n + x] =
-          is_hole ? std::numeric_limits<float>::quiet_NaN()
-                  : static_cast<float>(std::clamp(value - isovalue_, -kLargest, kLargest));
+      // However small a difference is, its sign is that of the larger value: but for 0, to be +0.
+      const double above = value - isovalue_ + 0.0;
+      values_[row * n + x] = is_hole ? std::numeric_limits<float>::quiet_NaN()
+                                     : static_cast<float>(std::clamp(above, -kLargest, kLargest));
       marks_[row * n + x] =
           static_cast<std::uint8_t>((value >= least_inside_ ? kMayBeInside : 0) |
                                     (value < least_fixed_inside_ ? kMayBeOutside : 0));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,12 +10,11 @@
 
 namespace lode::diamond {
 
-/// A field that is *relaxed* within a persistence P of an isovalue c: a node that a cut does not
-/// refine has the mean of its axis' ends, as the cut interpolates, wherever that is on a side that
-/// its sample may be on: inside from c - P on, outside below c + P. Other nodes, and those that the
-/// cut refines, keep their samples. So no sample moves by more than P, or changes sides where it
-/// is farther from c than that, and nodes that cannot be told from what is interpolated are not
-/// critical. docs/models/diamond3d.md, "With a persistence".
+/// A field that is *relaxed* within a persistence P of an isovalue c: only on which side of c it is
+/// counts. A node that a cut does not refine has the mean of its axis' ends, as the cut
+/// interpolates, where its sample may be on the mean's side: inside from c - P on, outside below
+/// c + P. Other nodes, and those that the cut refines, keep their samples. So the sides are those
+/// of a field within P of the samples. docs/models/diamond3d.md, "The topology kept".
 ///
 /// Here: what it is above the isovalue at the samples of a box of a lattice, a field's or every
 /// 2^k-th point of it an axis. A negative zero is outside; NaN: a hole.
