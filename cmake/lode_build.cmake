@@ -32,8 +32,8 @@ if(LODE_SANITIZE)
   # Not for targets that have the property LODE_UNSANITIZED.
   set(is_sanitized $<NOT:$<BOOL:$<TARGET_PROPERTY:LODE_UNSANITIZED>>>)
   target_compile_options(lode_settings INTERFACE
-    -Wno-error -fno-omit-frame-pointer
-    $<${is_sanitized}:-fsanitize=${LODE_SANITIZE}> $<${is_sanitized}:-fno-sanitize-recover=all>)
+    -Wno-error $<${is_sanitized}:-fsanitize=${LODE_SANITIZE}>
+    -fno-omit-frame-pointer $<${is_sanitized}:-fno-sanitize-recover=all>)
   target_link_options(lode_settings INTERFACE $<${is_sanitized}:-fsanitize=${LODE_SANITIZE}>)
 endif()
 
