@@ -64,12 +64,9 @@ class CriticalSearch {
     std::vector<SideBox> workers(as_size(n_workers(query_.threads)), SideBox(query_.isovalue));
     parallel_for(bricks.size(), query_.threads, 1, [&](std::size_t i, int number) {
       if (progress_.is_cancelled()) return;
-      LatticeBox<3> brick{bricks[i] * kBrickEdge<3>, {}};
+      const LatticeBox<3> brick = own_centres(bricks[i], dims);
       LatticeBox<3> round;
       for (std::size_t a = 0; a < 3; ++a) {
-        brick.upper[a] = brick.lower[a] + kBrickEdge<3>;
-        if (brick.upper[a] == dims[a] - 1) ++brick.upper[a];  // no other brick has the last sample
-        brick.upper[a] = std::min(brick.upper[a], dims[a]);
         round.lower[a] = std::max(brick.lower[a] - kReach, 0);
         round.upper[a] = std::min(brick.upper[a] + kReach, dims[a]);
       }

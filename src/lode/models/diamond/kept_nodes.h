@@ -4,6 +4,17 @@
 
 namespace lode::diamond {
 
+/// The nodes with these centres are a brick's own.
+[[nodiscard]] inline LatticeBox<3> own_centres(const Index<3>& brick, const Index<3>& dims) {
+  LatticeBox<3> own{brick * kBrickEdge<3>, {}};
+  for (std::size_t a = 0; a < 3; ++a) {
+    own.upper[a] = own.lower[a] + kBrickEdge<3>;
+    if (own.upper[a] == dims[a] - 1) ++own.upper[a];  // no other brick has the last sample
+    own.upper[a] = std::min(own.upper[a], dims[a]);
+  }
+  return own;
+}
+
 /// Whether is(place on the level's grid, and among its attributes) holds for a node of level
 /// kKeptLevel inside a brick or on its border: those that finer nodes with a centre there come
 /// after, directly or not.

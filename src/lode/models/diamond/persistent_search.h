@@ -28,17 +28,6 @@ struct SeenBricks {
   Index<3> origin;                   ///< Of the model's lattice in the field's.
 };
 
-/// The nodes with these centres are a brick's own.
-[[nodiscard]] inline LatticeBox<3> own_centres(const Index<3>& brick, const Index<3>& dims) {
-  LatticeBox<3> own{brick * kBrickEdge<3>, {}};
-  for (std::size_t a = 0; a < 3; ++a) {
-    own.upper[a] = own.lower[a] + kBrickEdge<3>;
-    if (own.upper[a] == dims[a] - 1) ++own.upper[a];  // no other brick has the last sample
-    own.upper[a] = std::min(own.upper[a], dims[a]);
-  }
-  return own;
-}
-
 /// The rounds of find_persistent_nodes(). `Field`: has the nodes of levels kKeptLevel and coarser,
 /// and their samples.
 template <typename Field>
@@ -97,8 +86,8 @@ class PersistentSearch {
   enum class Wants : std::uint8_t { coarse, all };
   static_assert(power(as_size(kBrickSamples<3>), 3) <= 1U << 16U);
   /// A round takes in at least one in so many of what is missing then, and all that is coarse. With
-  /// 64 there are up to twice as many rounds, and as many triangles in the end; with 2 there are 6
-  /// % more triangles (bonsai at 40.5).
+  /// 64 there are up to twice as many rounds, and as many triangles in the end; with 2 there are 5
+  /// to 7 % more triangles (bonsai at 40.5).
   static constexpr std::uint64_t kRounds = 8;
 
   [[nodiscard]] static bool can_refine(const Field& field, double tolerance) {
@@ -144,6 +133,7 @@ class PersistentSearch {
   void mark_due(const Index<3>& centre) {
     due_.mark(centre, (std::int32_t{3} << common_exponent<3>(centre)) + kReach, DueBricks::done);
   }
+
   const Field& field_;
   CriticalQuery query_;
   Progress& progress_;

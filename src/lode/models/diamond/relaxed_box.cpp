@@ -20,21 +20,14 @@ void RelaxedBox::fill_row(const Field& field, std::size_t row, std::int32_t step
   constexpr double kLargest = std::numeric_limits<float>::max() / 4;
   const auto n = as_size(size_[0]);
   const Index<3> first = sides_.box().lower + point_of<3>(size_, row * n);
-  const bool has_holes = field.has_holes();
-  visit_storage_type(field.storage, [&]<typename T>() {
-    std::vector<T> samples(n);
-    copy_samples(field, first * step, size_[0], step, samples.data());
-    for (std::size_t x = 0; x < n; ++x) {
-      const auto value = static_cast<double>(samples[x]);
-      const bool is_hole = has_holes && field.is_hole(value);
-      // However small a difference is, its sign is that of the larger value: but for 0, to be +0.
-      const double above = value - isovalue_ + 0.0;
-      values_[row * n + x] = is_hole ? std::numeric_limits<float>::quiet_NaN()
-                                     : static_cast<float>(std::clamp(above, -kLargest, kLargest));
-      marks_[row * n + x] =
-          static_cast<std::uint8_t>((value >= least_inside_ ? kMayBeInside : 0) |
-                                    (value < least_fixed_inside_ ? kMayBeOutside : 0));
-    }
+  see_samples(field, first * step, size_[0], step, [&](std::size_t x, double value, bool is_hole) {
+    // However small a difference is, its sign is that of the larger value: but for 0, to be +0.
+    const double above = value - isovalue_ + 0.0;
+    values_[row * n + x] = is_hole ? std::numeric_limits<float>::quiet_NaN()
+                                   : static_cast<float>(std::clamp(above, -kLargest, kLargest));
+    marks_[row * n + x] =
+        static_cast<std::uint8_t>((value >= least_inside_ ? kMayBeInside : 0) |
+                                  (value < least_fixed_inside_ ? kMayBeOutside : 0));
   });
 }
 

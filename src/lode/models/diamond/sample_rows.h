@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
 #include "lode/models/diamond/coarse_field.h"
 #include "lode/models/diamond/flat_field.h"
@@ -60,6 +61,21 @@ T* copy_samples(const FlatField<3>& field, const Index<3>& p, std::int32_t n, st
       reinterpret_cast<const T*>(field.samples.data()) + linear_index<3>(field.shape.dims, p);
   for (std::int32_t i = 0; i < n; ++i, from += step) *to++ = *from;
   return to;
+}
+
+/// Calls see(i, value, is_hole) for each of them; all lie in the data.
+template <typename Field, typename See>
+void see_samples(const Field& field, const Index<3>& p, std::int32_t n, std::int32_t step,
+                 const See& see) {
+  const bool has_holes = field.has_holes();
+  visit_storage_type(field.storage, [&]<typename T>() {
+    std::vector<T> samples(as_size(n));
+    copy_samples(field, p, n, step, samples.data());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const auto value = static_cast<double>(samples[i]);
+      see(i, value, has_holes && field.is_hole(value));
+    }
+  });
 }
 
 }  // namespace lode::diamond

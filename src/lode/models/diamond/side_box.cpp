@@ -81,15 +81,8 @@ template <typename Field>
 void SideBox::fill_row(const Field& field, std::size_t row, std::int32_t step) {
   const auto n = as_size(size_[0]);
   const Index<3> first = box_.lower + point_of<3>(size_, row * n);
-  const bool has_holes = field.has_holes();
-  visit_storage_type(field.storage, [&]<typename T>() {
-    std::vector<T> samples(n);
-    copy_samples(field, first * step, size_[0], step, samples.data());
-    for (std::size_t x = 0; x < n; ++x) {
-      const auto value = static_cast<double>(samples[x]);
-      const bool is_hole = has_holes && field.is_hole(value);
-      sides_[row * n + x] = is_hole ? hole : value >= isovalue_ ? inside : outside;
-    }
+  see_samples(field, first * step, size_[0], step, [&](std::size_t x, double value, bool is_hole) {
+    sides_[row * n + x] = is_hole ? hole : value >= isovalue_ ? inside : outside;
   });
 }
 
