@@ -141,9 +141,11 @@ struct Totals {
     if (!job.topology) return;
     if (!report.topology)
       report.topology = KeptTopology{.persistence = job.topology->persistence,
-                                     .is_searched = job.topology->is_searched};
+                                     .is_searched = job.topology->is_searched,
+                                     .leaves_out_weak = job.topology->leaves_out_weak};
     report.topology->critical_nodes += job.topology->critical_nodes;
     report.topology->nodes += job.topology->nodes;
+    report.topology->weak_regions += job.topology->weak_regions;
     report.seconds.topology += job.seconds.topology;
   }
   void add(const ExtractReport& job) {

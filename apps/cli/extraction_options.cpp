@@ -64,7 +64,8 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
   app.add_flag("--keep-topology{0}", arguments.keep_topology,
                "Refine where the surface would tear, join, lose or gain a piece: components, "
                "tunnels and voids are those of full resolution; with =P those at least that there "
-               "are from P below the isovalue to P above it")
+               "are from P below the isovalue to P above it, without pieces round regions that "
+               "nowhere are farther than P from it")
       ->group(group);
   app.add_option(
          "--clip", arguments.clip,
@@ -140,12 +141,18 @@ std::string describe_tolerance(const ExtractOptions& options, double max_error) 
 
 std::string describe_topology(const ExtractReport& report) {
   const KeptTopology& kept = *report.topology;
-  if (!kept.is_searched) return "of full resolution, which the surface is";
+  const std::string left_out = kept.leaves_out_weak
+                                   ? fmt::format("; {} regions left out that do not persist",
+                                                 format_count(kept.weak_regions))
+                                   : "";
+  if (!kept.is_searched)
+    return kept.leaves_out_weak ? "what persists of full resolution" + left_out
+                                : "of full resolution, which the surface is";
   return fmt::format(
-      "{}: {} critical nodes, {} with what comes before them, found in {}",
+      "{}: {} critical nodes, {} with what comes before them, found in {}{}",
       kept.persistence > 0 ? "what persists of full resolution" : "of full resolution",
       format_count(kept.critical_nodes), format_count(kept.nodes),
-      format_seconds(report.seconds.topology));
+      format_seconds(report.seconds.topology), left_out);
 }
 
 std::string topology_comment(const ExtractReport& report) {
@@ -171,6 +178,7 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
     json["topology"]["persistence"] = kept.persistence;
     json["topology"]["critical_nodes"] = kept.is_searched ? Json(kept.critical_nodes) : Json();
     json["topology"]["nodes"] = kept.is_searched ? Json(kept.nodes) : Json();
+    json["topology"]["weak_regions"] = kept.leaves_out_weak ? Json(kept.weak_regions) : Json();
   }
   json["triangles"] = report.triangles;
   json["lines"] = report.lines;
@@ -202,7 +210,9 @@ void warn_of_unmet(Session& session, const std::vector<double>& unmet,
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    if (is_in_range && is_cropped)
+    if (is_in_range && options.keep_topology.value_or(0) > 0)
+      why = "nothing of it persists as --keep-topology asks";
+    else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";
     else if (is_in_range && is_coarse)
       why =

@@ -62,7 +62,7 @@ void expect_parts(const Surface& whole, const std::vector<std::string>& paths) {
     std::erase_if(part.triangles, [&](const auto& t) {
       return whole.isovalues[t[0]] != static_cast<float>(kNearIsovalues[i]);
     });
-    EXPECT_TRUE(match_surfaces(part, *one, 0).is_same()) << paths[i];
+    EXPECT_TRUE(match_surfaces(part, *one, 0x1p-30).is_same()) << paths[i];
     EXPECT_EQ(part.triangles.empty(), kNearIsovalues[i] == 500);
   }
   EXPECT_EQ(crossings_of(*files), 0U);
@@ -167,7 +167,7 @@ TEST(isovalue_files, are_read_once_from_a_file_and_hold_what_each_alone_has) {
     bytes_apart += report->bytes_read;
     const auto file = read_surface(paths[i]);
     ASSERT_TRUE(file);
-    EXPECT_TRUE(match_surfaces(expected, *file, 0).is_same()) << paths[i];
+    EXPECT_TRUE(match_surfaces(expected, *file, 0x1p-30).is_same()) << paths[i];
     std::filesystem::remove(paths[i]);
   }
   EXPECT_LT(all->bytes_read, bytes_apart / 2);

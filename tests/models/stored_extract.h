@@ -21,6 +21,9 @@ inline void extract_stored(const std::string& lode, ExtractOptions options, bool
   Progress progress;
   if (is_limited) {
     options.memory_limit = dataset->impl().chunk_bytes();
+    // Room for regions that do not persist.
+    if (options.keep_topology.value_or(0) > 0)
+      options.memory_limit = dataset->impl().model_bytes() - 1;
     ASSERT_LT(options.memory_limit, dataset->impl().model_bytes());
     ASSERT_TRUE(dataset->comes_in_pieces(options, progress).value());
   } else {

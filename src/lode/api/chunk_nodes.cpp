@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "lode/api/common_nodes.h"
 #include "lode/api/topology_extraction.h"
 
 namespace lode {
@@ -12,10 +11,11 @@ WantedNodes ChunkNodes::begin(ExtractReport& report, Progress& progress) {
   if (options_.max_distance)
     report.distance =
         DistanceReport{.max_distance = *options_.max_distance, .memory_limit = memory_limit_};
-  const bool is_searched = (report.topology && report.topology->is_searched) ||
-                           (options_.max_distance && report.max_error > 0);
+  const bool is_searched =
+      (report.topology && (report.topology->is_searched || report.topology->leaves_out_weak)) ||
+      (options_.max_distance && report.max_error > 0);
   if (!is_searched) return {};
-  return [this, &report, &progress]() -> Result<const diamond::NodeSet<3>*> {
+  return [this, &report, &progress]() -> Result<const CommonNodes*> {
     if (!nodes_) LODE_CHECK(find(report, progress));
     return &*nodes_;
   };
@@ -36,7 +36,8 @@ Result<void> ChunkNodes::find(ExtractReport& report, Progress& progress) {
                  .threads = options_.threads,
                  .max_bytes = node_bytes,
                  .tolerance = query_of<3>(isovalue, options_, report).cut_tolerance(),
-                 .refined = &nodes},
+                 .refined = &nodes,
+                 .with_weak = report.topology->leaves_out_weak},
                 progress);
           },
       .within_distance =

@@ -2,14 +2,14 @@
 
 #include <optional>
 
+#include "lode/api/common_nodes.h"
 #include "lode/api/dataset_impl.h"
 #include "lode/api/isovalue_passes.h"
-#include "lode/models/diamond/node_set.h"
 
 namespace lode {
 
-/// The nodes of a file that keep_topology and max_distance want refined, found chunk by chunk: of
-/// all isovalues together.
+/// The nodes of a file that keep_topology and max_distance want refined, and what the surfaces
+/// leave out, found chunk by chunk: of all isovalues together.
 class ChunkNodes {
  public:
   /// Beside what extraction takes, a quarter of the limit is for the nodes, half of it for the
@@ -21,6 +21,10 @@ class ChunkNodes {
   /// Begins what the report says of surfaces within its max_error, and says where their nodes come
   /// from; nowhere if none are wanted.
   [[nodiscard]] WantedNodes begin(ExtractReport& report, Progress& progress);
+  /// Of the first isovalue; as far as they have been found.
+  [[nodiscard]] bool is_first_weak() const {
+    return nodes_ && nodes_->is_first_weak(options_.isovalues.front());
+  }
 
  private:
   [[nodiscard]] Result<void> find(ExtractReport& report, Progress& progress);
@@ -28,7 +32,7 @@ class ChunkNodes {
   Dataset::Impl::Chunks& chunks_;
   const ExtractOptions& options_;
   std::uint64_t memory_limit_;
-  std::optional<diamond::NodeSet<3>> nodes_;
+  std::optional<CommonNodes> nodes_;
 };
 
 }  // namespace lode

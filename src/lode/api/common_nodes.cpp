@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -18,31 +19,37 @@ std::vector<double> sorted_isovalues(std::vector<double> isovalues) {
   return isovalues;
 }
 
-Result<void> check_size(const NodeSearch& search, const NodeSearch::Nodes& nodes) {
-  if (nodes.n_bytes() <= search.max_bytes) return {};
+Result<void> check_size(const NodeSearch& search, const CommonNodes& nodes) {
+  std::uint64_t n_bytes = nodes.wanted->n_bytes();
+  for (const auto& [isovalue, samples] : nodes.weak) n_bytes += samples.n_bytes();
+  if (n_bytes <= search.max_bytes) return {};
   return fail(
       "keeping the topology: expected at most {} MB for the nodes that all isovalues take, got {} "
       "MB: a higher memory limit, or fewer isovalues, leaves room for them",
-      search.max_bytes / 1'000'000, nodes.n_bytes() / 1'000'000 + 1);
+      search.max_bytes / 1'000'000, n_bytes / 1'000'000 + 1);
 }
 
 /// With a persistence until each isovalue was looked at with all the nodes that there are.
 Result<void> add_critical_nodes(const ExtractOptions& options, const NodeSearch& search,
-                                NodeSearch::Nodes& nodes, ExtractReport& report,
-                                Progress& progress) {
+                                CommonNodes& nodes, ExtractReport& report, Progress& progress) {
   const Stopwatch watch;
   const std::vector<double> isovalues = sorted_isovalues(options.isovalues);
   const std::size_t n = isovalues.size();
+  std::vector<std::uint64_t> n_weak(n);
   std::size_t n_held = 0;  // The last so many, with these nodes.
   for (std::size_t i = 0; n_held < n; i = (i + 1) % n) {
     progress.report("finding critical nodes", 0);
-    LODE_TRY(const diamond::CriticalNodes found, search.critical(isovalues[i], nodes));
-    const std::uint64_t n_new = nodes.join(found.nodes);
+    LODE_TRY(diamond::CriticalNodes found, search.critical(isovalues[i], *nodes.wanted));
+    const std::uint64_t n_new = nodes.wanted->join(found.nodes);
+    n_weak[i] = found.weak.n;
+    nodes.weak.erase(isovalues[i]);
+    if (found.weak.samples) nodes.weak.emplace(isovalues[i], std::move(*found.weak.samples));
     LODE_CHECK(check_size(search, nodes));
     n_held = *options.keep_topology > 0 && n_new > 0 ? 1 : n_held + 1;
     report.topology->critical_nodes += found.n_critical;
     report.topology->nodes += n_new;
   }
+  report.topology->weak_regions = std::accumulate(n_weak.begin(), n_weak.end(), std::uint64_t{0});
   report.seconds.topology += watch.seconds();
   return {};
 }
@@ -75,27 +82,28 @@ Result<std::uint64_t> add_near_nodes(const ExtractOptions& options, const NodeSe
 
 }  // namespace
 
-Result<std::optional<NodeSearch::Nodes>> find_common_nodes(const ExtractOptions& options,
-                                                           const NodeSearch& search,
-                                                           ExtractReport& report,
-                                                           Progress& progress) {
-  const bool has_critical = report.topology && report.topology->is_searched;
+Result<CommonNodes> find_common_nodes(const ExtractOptions& options, const NodeSearch& search,
+                                      ExtractReport& report, Progress& progress) {
+  const bool is_searched = report.topology && report.topology->is_searched;
+  const bool has_critical = is_searched || (report.topology && report.topology->leaves_out_weak);
   const bool has_near = options.max_distance && report.max_error > 0;
-  if (!has_critical && !has_near) return std::optional<NodeSearch::Nodes>();
-  NodeSearch::Nodes nodes = search.none();
+  CommonNodes nodes;
+  if (!has_critical && !has_near) return nodes;
+  nodes.wanted = search.none();
   std::vector<diamond::DistanceCutReport> near(options.isovalues.size());
   for (std::uint64_t n_added = 1; n_added > 0;) {
     n_added = 0;
     if (has_critical) LODE_CHECK(add_critical_nodes(options, search, nodes, report, progress));
     if (has_near) {
-      LODE_TRY(n_added, add_near_nodes(options, search, nodes, near, report));
+      LODE_TRY(n_added, add_near_nodes(options, search, *nodes.wanted, near, report));
     }
     // What the distance adds may undo what a persistence has found.
     if (!has_critical || *options.keep_topology == 0) break;
   }
   if (has_near)
     for (const diamond::DistanceCutReport& one : near) add_distance(one, report);
-  return std::optional(std::move(nodes));
+  if (!is_searched && !has_near) nodes.wanted.reset();
+  return nodes;
 }
 
 }  // namespace lode

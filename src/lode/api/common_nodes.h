@@ -11,6 +11,18 @@
 
 namespace lode {
 
+/// What surfaces of one cut have in common.
+struct CommonNodes {
+  std::optional<diamond::NodeSet<3>> wanted;  ///< To be refined; nothing where none are looked for.
+  diamond::WeakSamples weak;
+
+  /// Whether the field's first sample is among those of an isovalue.
+  [[nodiscard]] bool is_first_weak(double isovalue) const {
+    const auto found = weak.find(isovalue);
+    return found != weak.end() && found->second.contains({});
+  }
+};
+
 /// Finds what an isovalue wants refined, from a model in memory or from a file.
 struct NodeSearch {
   using Nodes = diamond::NodeSet<3>;
@@ -26,10 +38,10 @@ struct NodeSearch {
 /// The nodes that keep_topology and max_distance want refined whatever their error, of all
 /// isovalues together: so all their surfaces lie in one cut, where none meets another. Each is held
 /// to its distance in that cut, again where others have added to it; so is its topology with a
-/// persistence, of which it depends on all nodes what may go. Nothing where none are wanted.
-/// Adds what it finds, and the time, to the report.
-[[nodiscard]] Result<std::optional<diamond::NodeSet<3>>> find_common_nodes(
-    const ExtractOptions& options, const NodeSearch& search, ExtractReport& report,
-    Progress& progress);
+/// persistence, of which it depends on all nodes what may go. Adds what it finds, and the time, to
+/// the report.
+[[nodiscard]] Result<CommonNodes> find_common_nodes(const ExtractOptions& options,
+                                                    const NodeSearch& search, ExtractReport& report,
+                                                    Progress& progress);
 
 }  // namespace lode

@@ -208,6 +208,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   if (has_cubes) {
     again.style = SurfaceStyle::tetra;
     again.style_distance.reset();
+    again.keep_topology = options.keep_topology;  // what does not persist is left out of both
     if (auto done = extract(again, level_set, progress); !done) return done.error();
   }
   LODE_TRY(const auto* const held, impl_->model(progress));

@@ -74,9 +74,13 @@ struct ExtractOptions {
   std::optional<double> max_distance{};
   /// 0: the surface has the components, tunnels and voids of that of full resolution, each joined
   /// as there: it is that surface but for where it lies. P > 0 (field units): those at least that
-  /// there are from P below the isovalue to P above it. Of volumes, unclipped, with all pieces
-  /// kept; of files larger than the memory limit a quarter of it may be taken beside, for nodes.
+  /// there are from P below the isovalue to P above it. Pieces round regions of either side that
+  /// have no sample farther than P from it are then left out, be they beyond the max_error, until
+  /// there are none: but not within a max_distance, nor simplified. Of volumes, unclipped, with all
+  /// pieces kept; of files larger than the memory limit a quarter of it may be taken beside, for
+  /// nodes.
   std::optional<double> keep_topology{};
+  bool leaves_out_weak = true;  ///< Whether pieces are so left out.
   /// cubes, of volumes: full resolution; where the style error would be larger than the
   /// max_error, and in bricks of 32^3 cells that holes touch, tetrahedra stay. A max_error of 0
   /// is no bound.
@@ -129,8 +133,10 @@ struct ExtractSeconds {
 
 /// How the topology was kept; of several isovalues sums.
 struct KeptTopology {
-  double persistence = 0;   ///< Asked for.
-  bool is_searched = true;  ///< Not where all is refined, at a max_error of 0 or of cubes.
+  double persistence = 0;          ///< Asked for.
+  bool is_searched = true;         ///< Not where all is refined, at a max_error of 0 or of cubes.
+  bool leaves_out_weak = false;    ///< See ExtractOptions::keep_topology.
+  std::uint64_t weak_regions = 0;  ///< That were left out so.
   /// Refining one changes the topology; but at the domain's border also some that reach across
   /// it, which are refined for that anyway, are counted. With a persistence those alone that
   /// neither the tolerance nor other isovalues refine.

@@ -26,7 +26,7 @@ namespace {
 
 Result<void> close_surface(const FieldFacts& field, const ExtractOptions& options, Surface& surface,
                            ExtractReport& report) {
-  const bool is_inside = field.first_sample >= options.isovalues.front();
+  const bool is_inside = (field.first_sample >= options.isovalues.front()) != field.is_first_weak;
   if (surface.is_empty() && !is_inside && !std::isnan(field.first_sample)) return {};
   if (field.has_removed_border_cell)
     return fail("closing at the border: expected no holes there, but the field has some");
@@ -87,8 +87,8 @@ Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& ch
             report, [](double) {},
             [&](double isovalue) { add_isovalue(isovalue, options, surface); },
             nodes.begin(report, progress), progress));
-        return finish_surface(impl, {field.info.grid, false, field.value({})}, options, start,
-                              surface, report, progress);
+        const FieldFacts facts{field.info.grid, false, field.value({}), nodes.is_first_weak()};
+        return finish_surface(impl, facts, options, start, surface, report, progress);
       },
       chunks.field);
 }

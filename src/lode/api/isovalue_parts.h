@@ -16,6 +16,7 @@ struct FieldFacts {
   const RegularGrid& grid;
   bool has_removed_border_cell = false;
   double first_sample = 0;
+  bool is_first_weak = false;  ///< The surface has it on the other side (see WeakRegions).
 };
 
 /// Adds up what extraction says of one isovalue.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "lode/api/common_nodes.h"
 #include "lode/api/isovalue_parts.h"
 #include "lode/core/stopwatch.h"
 #include "lode/core/surface_sink.h"
@@ -71,8 +72,8 @@ Result<void> pass_on(std::span<const double> isovalues, HeldSurfaces& held, Surf
   return {};
 }
 
-/// The nodes that all surfaces want refined whatever their error.
-using WantedNodes = std::function<Result<const diamond::NodeSet<3>*>()>;
+/// The nodes that all surfaces want refined whatever their error, and what they leave out.
+using WantedNodes = std::function<Result<const CommonNodes*>()>;
 
 /// extract_from_file() of all isovalues, in their order: before(isovalue) and after(isovalue) come
 /// round each surface, of which the first of a pass goes straight to the sink and others wait.
@@ -96,7 +97,9 @@ Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCa
     before(some[0]);
     auto query = query_of<D>(some[0], options, report);
     if (wanted_nodes) {
-      LODE_TRY(query.wanted, wanted_nodes());
+      LODE_TRY(const CommonNodes* const common, wanted_nodes());
+      query.wanted = common->wanted ? &*common->wanted : nullptr;
+      query.weak = &common->weak;
     }
     LODE_TRY(const auto part, diamond::extract_from_file<D>(
                                   field, blocks, isovalues, query,

@@ -1,6 +1,5 @@
 #include "lode/api/memory_extraction.h"
 
-#include <optional>
 #include <utility>
 
 #include "lode/api/common_nodes.h"
@@ -9,11 +8,10 @@
 namespace lode {
 namespace {
 
-/// That surfaces want, of a volume.
-Result<std::optional<diamond::NodeSet<3>>> wanted_nodes(const Dataset::Impl& impl,
-                                                        const diamond::Model<3>& model,
-                                                        const ExtractOptions& options,
-                                                        ExtractReport& report, Progress& progress) {
+/// Of a volume.
+Result<CommonNodes> common_nodes(const Dataset::Impl& impl, const diamond::Model<3>& model,
+                                 const ExtractOptions& options, ExtractReport& report,
+                                 Progress& progress) {
   const NodeSearch search{
       .none = [&] { return diamond::NodeSet<3>(model.shape); },
       .critical =
@@ -24,7 +22,8 @@ Result<std::optional<diamond::NodeSet<3>>> wanted_nodes(const Dataset::Impl& imp
                  .persistence = *options.keep_topology,
                  .threads = options.threads,
                  .tolerance = query_of<3>(isovalue, options, report).cut_tolerance(),
-                 .refined = &nodes},
+                 .refined = &nodes,
+                 .with_weak = report.topology->leaves_out_weak},
                 progress);
           },
       .within_distance = [&](double isovalue,
@@ -46,13 +45,14 @@ Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOpt
   if (options.max_distance) report.distance = DistanceReport{.max_distance = *options.max_distance};
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<FieldFacts> {
-        std::optional<diamond::NodeSet<3>> wanted;
+        CommonNodes common;
         if constexpr (D == 3) {
-          LODE_TRY(wanted, wanted_nodes(impl, model, options, report, progress));
+          LODE_TRY(common, common_nodes(impl, model, options, report, progress));
         }
         for (const double isovalue : options.isovalues) {
           auto query = query_of<D>(isovalue, options, report);
-          if constexpr (D == 3) query.wanted = wanted ? &*wanted : nullptr;
+          query.wanted = common.wanted ? &*common.wanted : nullptr;
+          query.weak = &common.weak;
           LODE_TRY(const auto part,
                    diamond::extract_isosurface<D>(model, query, surface, progress));
           add_part(part, report);
@@ -64,7 +64,7 @@ Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOpt
         const bool closes = options.border == Border::closed;
         return FieldFacts{model.info.grid,
                           closes && model.has_holes() && model.has_removed_border_cell(),
-                          model.value({})};
+                          model.value({}), common.is_first_weak(options.isovalues.front())};
       },
       *held);
 }

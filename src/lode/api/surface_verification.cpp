@@ -132,10 +132,8 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, do
 }
 
 /// Of all isovalues, which are of one cut where their topology is kept.
-Result<std::optional<diamond::NodeSet<3>>> critical_nodes(const Model<3>& model,
-                                                          const ExpectedSurface& expected,
-                                                          const ExtractOptions& options,
-                                                          Progress& progress) {
+Result<CommonNodes> critical_nodes(const Model<3>& model, const ExpectedSurface& expected,
+                                   const ExtractOptions& options, Progress& progress) {
   const NodeSearch search{.none = [&] { return diamond::NodeSet<3>(model.shape); },
                           .critical =
                               [&](double isovalue, const diamond::NodeSet<3>& nodes) {
@@ -152,6 +150,7 @@ Result<std::optional<diamond::NodeSet<3>>> critical_nodes(const Model<3>& model,
   ExtractOptions kept = options;
   kept.keep_topology = expected.keep_topology;
   kept.max_distance.reset();
+  kept.leaves_out_weak = false;
   ExtractReport report;
   report.max_error = expected.tolerance;
   begin_topology(kept, report);
@@ -161,14 +160,14 @@ Result<std::optional<diamond::NodeSet<3>>> critical_nodes(const Model<3>& model,
 template <int D>
 Result<void> add_cuts(const Model<D>& model, const ExpectedSurface& expected,
                       const ExtractOptions& options, Progress& progress, VerifyReport& report) {
-  std::optional<diamond::NodeSet<3>> wanted;
+  CommonNodes common;
   if constexpr (D == 3)
     if (expected.keep_topology) {
-      LODE_TRY(wanted, critical_nodes(model, expected, options, progress));
+      LODE_TRY(common, critical_nodes(model, expected, options, progress));
     }
   for (const double isovalue : options.isovalues)
     LODE_CHECK(add_cut(model, isovalue, options.threads, expected.tolerance,
-                       wanted ? &*wanted : nullptr, progress, report));
+                       common.wanted ? &*common.wanted : nullptr, progress, report));
   return {};
 }
 
@@ -181,6 +180,7 @@ Result<void> add_level_set(const Model<D>& model, const Surface& surface,
   const double range = model.stats.max - model.stats.min;
   const double slack = (frame.margin + 4 * frame.rounding) * range;
   const double tolerance = std::max(expected.tolerance, expected.style_error);
+  const double more_on_caps = leaves_out_weak(options) ? *options.keep_topology : 0;
   LODE_TRY(
       const auto level_set,
       diamond::check_level_set(diamond::ModelSamples<D>(model), surface,
@@ -188,13 +188,17 @@ Result<void> add_level_set(const Model<D>& model, const Surface& surface,
                                 .tolerance = tolerance + slack,
                                 .clip = options.clip,
                                 .caps = is_closed ? diamond::Caps::on_border : diamond::Caps::none,
+                                .cap_tolerance = more_on_caps,
                                 .threads = options.threads},
                                progress));
   report.add(is_closed ? "|F - isovalue| <= tolerance + slack; on caps isovalue - F"
                        : "|F - isovalue| <= tolerance + slack",
              level_set.n_pieces, level_set.holds() ? 0 : 1,
              describe_level_set(surface, level_set, tolerance, slack) +
-                 (is_closed ? fmt::format("; {} caps", level_set.n_caps) : ""));
+                 (is_closed ? fmt::format("; {} caps", level_set.n_caps) : "") +
+                 (is_closed && more_on_caps > 0
+                      ? fmt::format(", below which {} more, the persistence, may be", more_on_caps)
+                      : ""));
   return {};
 }
 

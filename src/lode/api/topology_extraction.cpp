@@ -18,11 +18,17 @@ Result<void> check_keep_topology(const ExtractOptions& options) {
   return {};
 }
 
+bool leaves_out_weak(const ExtractOptions& options) {
+  return options.keep_topology.value_or(0) > 0 && options.leaves_out_weak &&
+         !options.max_distance && options.simplify == Simplify::off;
+}
+
 void begin_topology(const ExtractOptions& options, ExtractReport& report) {
   if (!options.keep_topology) return;
   report.topology =
       KeptTopology{.persistence = *options.keep_topology,
-                   .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra};
+                   .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra,
+                   .leaves_out_weak = leaves_out_weak(options)};
 }
 
 }  // namespace lode

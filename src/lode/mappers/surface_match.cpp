@@ -152,6 +152,7 @@ class Matcher {
 }  // namespace
 
 MatchReport match_surfaces(const Surface& expected, const Surface& surface, double distance) {
+  LODE_EXPECTS(distance > 0 || (expected.is_empty() && surface.is_empty()));
   if (expected.lines.empty() && surface.lines.empty())
     return Matcher<3>(expected, expected.triangles, surface, surface.triangles, distance).run();
   return Matcher<2>(expected, expected.lines, surface, surface.lines, distance).run();

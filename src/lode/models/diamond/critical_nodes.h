@@ -6,6 +6,7 @@
 #include "lode/core/progress.h"
 #include "lode/models/diamond/file_parts.h"
 #include "lode/models/diamond/node_set.h"
+#include "lode/models/diamond/weak_regions.h"
 
 namespace lode::diamond {
 
@@ -16,6 +17,7 @@ struct CriticalNodes {
                                  ///< anyway, whose ring it breaks into pieces; with a persistence
                                  ///< not those that the cut refines anyway;
   std::uint64_t n_nodes = 0;     ///< and with the ancestors.
+  WeakRegions weak{};            ///< Where asked for.
 };
 
 struct CriticalQuery {
@@ -27,6 +29,7 @@ struct CriticalQuery {
   double tolerance = std::numeric_limits<double>::infinity();
   /// and these: a set that has all ancestors of its nodes. Null: none.
   const NodeSet<3>* refined = nullptr;
+  bool with_weak = false;  ///< With a persistence, whether weak regions are found, too.
 };
 
 /// Finds all nodes of a volume that are critical at an isovalue: refining one changes the topology

@@ -26,12 +26,14 @@ class DueBricks {
       states_[i] = is_met(point_of<3>(dims_, i)) ? due : unmet;
   }
 
-  [[nodiscard]] std::vector<Index<3>> list() const {
-    std::vector<Index<3>> bricks;
-    for (std::size_t i = 0; i < states_.size(); ++i)
-      if (states_[i] == due) bricks.push_back(point_of<3>(dims_, i));
-    return bricks;
+  [[nodiscard]] std::vector<Index<3>> list_due() const {
+    return list([](State state) { return state == due; });
   }
+  /// Those that are done, or due.
+  [[nodiscard]] std::vector<Index<3>> list_met() const {
+    return list([](State state) { return state != unmet; });
+  }
+  [[nodiscard]] bool is_unmet(std::size_t brick) const { return states_[brick] == unmet; }
   void finish(const Index<3>& brick) { states_[linear_index<3>(dims_, brick)] = done; }
   /// Those in a state that have samples within `reach` of a point along each axis.
   void mark(const Index<3>& centre, std::int32_t reach, State state) {
@@ -49,6 +51,14 @@ class DueBricks {
   }
 
  private:
+  template <typename IsListed>
+  [[nodiscard]] std::vector<Index<3>> list(const IsListed& is_listed) const {
+    std::vector<Index<3>> bricks;
+    for (std::size_t i = 0; i < states_.size(); ++i)
+      if (is_listed(states_[i])) bricks.push_back(point_of<3>(dims_, i));
+    return bricks;
+  }
+
   Index<3> dims_;
   std::vector<State> states_;
 };

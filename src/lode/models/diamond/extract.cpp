@@ -36,7 +36,7 @@ class Extraction {
     LODE_CHECK(check_style<D>(query_, model_.shape));
     if constexpr (D == 3)
       if (model_.shape.has_cells() && query_.tolerance == 0 && !model_.has_holes() &&
-          std::isinf(query_.style_distance))
+          std::isinf(query_.style_distance) && query_.weak_of(query_.isovalue) == nullptr)
         return run_flat(selection_, surface, progress);
     if (query_.replaces) surface.clear();
     surface.origin = frame_.surface_origin;
@@ -100,6 +100,7 @@ class Extraction {
   void march(Progress& progress) {
     parts_.resize(work_.size() + 1);
     march_coarse<D>(cut_, query_.isovalue, model_.axes, frame_, parts_[0]);
+    leave_out_weak(parts_[0]);
     std::vector<TraversalStats> stats(work_.size());
     std::vector<std::unique_ptr<BrickMarcher<D>>> workers(as_size(n_workers(query_.threads)));
     parallel_for(work_.size(), query_.threads, 1, [&](std::size_t i, int worker) {
@@ -124,7 +125,15 @@ class Extraction {
     marcher.march(
         {brick.brick, {}, model_.axes}, brick.simplices, [](std::size_t) { return true; }, stats,
         pieces);
-    if (!pieces.empty()) parts_[i + 1] = std::move(pieces.front().part);
+    if (pieces.empty()) return;
+    parts_[i + 1] = std::move(pieces.front().part);
+    leave_out_weak(parts_[i + 1]);
+  }
+
+  void leave_out_weak(StitchPart<D>& part) const {
+    if constexpr (D == 3)
+      if (const auto* const weak = query_.weak_of(query_.isovalue); weak != nullptr)
+        leave_out(*weak, model_.axes, part);
   }
 
   const Model<D>& model_;

@@ -9,7 +9,7 @@
 #include "lode/mappers/iso_part.h"
 #include "lode/models/diamond/cube_meter.h"
 #include "lode/models/diamond/model.h"
-#include "lode/models/diamond/node_set.h"
+#include "lode/models/diamond/weak_regions.h"
 
 namespace lode::diamond {
 
@@ -18,6 +18,8 @@ struct IsosurfaceQuery {
   double tolerance = 0;  ///< Field units; 0 refines every active node, infinity none for its error.
   /// Also refined, of a volume; may be null. Must outlive the query.
   const NodeSet<3>* wanted = nullptr;
+  /// Of a volume, whose pieces are left out; may be null. Must outlive the query.
+  const WeakSamples* weak = nullptr;
   /// cubes, of a volume: full resolution, where tetrahedra stay wherever |F - isovalue| would not
   /// keep within the tolerance; at tolerance 0 there is no bound (see CubeCells).
   SurfaceStyle style = SurfaceStyle::tetra;
@@ -30,6 +32,12 @@ struct IsosurfaceQuery {
   bool with_isovalues = false;
   bool replaces = false;  ///< The surface is overwritten, its memory used as it is.
 
+  /// Null where nothing of an isovalue's surface is left out.
+  [[nodiscard]] const NodeSet<3>* weak_of(double value) const {
+    if (weak == nullptr) return nullptr;
+    const auto found = weak->find(value);
+    return found == weak->end() ? nullptr : &found->second;
+  }
   /// Of nodes' errors: cubes are of full resolution.
   [[nodiscard]] double cut_tolerance() const {
     return style == SurfaceStyle::cubes ? 0 : tolerance;

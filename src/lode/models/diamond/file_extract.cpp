@@ -71,6 +71,7 @@ class FileExtraction {
     for (std::size_t i = 0; i < isovalues_.size(); ++i) {
       std::vector<StitchPart<D>> coarse(1);
       march_coarse<D>(cut_, isovalues_[i], field_.axes, frame_, coarse[0]);
+      leave_out_weak(i, coarse[0]);
       find_normals(coarse[0], nullptr, {});
       LODE_CHECK(join(i, coarse, 0));
     }
@@ -185,6 +186,13 @@ class FileExtraction {
     marcher.march(
         {brick.brick, part_.origin(), field_.axes}, brick.simplices,
         [&](std::size_t isovalue) { return sink_of_(isovalue) != nullptr; }, stats, pieces);
+    for (BrickPiece<D>& piece : pieces) leave_out_weak(piece.isovalue, piece.part);
+  }
+
+  void leave_out_weak(std::size_t isovalue, StitchPart<D>& part) const {
+    if constexpr (D == 3)
+      if (const auto* const weak = query_.weak_of(isovalues_[isovalue]); weak != nullptr)
+        leave_out(*weak, field_.axes, part);
   }
 
   void find_normals(StitchPart<D>& part, const FlatField<D>* samples, const Index<D>& origin) {

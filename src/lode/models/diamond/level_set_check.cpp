@@ -128,7 +128,8 @@ class SimplexChecker {
     for (std::size_t i = 0; i < part.size(); ++i) {
       const double value = field_.value_at(part[i]);
       const double deviation = is_cap_ ? -value : std::abs(value);
-      is_beyond_ |= deviation > options_.tolerance + rounding;
+      const double allowed = options_.tolerance + (is_cap_ ? options_.cap_tolerance : 0);
+      is_beyond_ |= deviation > allowed + rounding;
       if (!is_worst_yet(deviation)) continue;
       report_.max_deviation = deviation;
       report_.worst_simplex = simplex_;

@@ -21,6 +21,7 @@ struct LevelSetOptions {
   double tolerance = 0;            ///< Largest |F - isovalue| allowed, slack included, field units.
   std::optional<Box3d> clip = {};  ///< The surface must stay inside; its planes may have caps.
   Caps caps = Caps::none;
+  double cap_tolerance = 0;  ///< How much more isovalue - F may be on these.
   Threads threads = {};
 };
 

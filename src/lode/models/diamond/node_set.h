@@ -74,10 +74,7 @@ class NodeSet {
     std::uint64_t n_new = 0;
     for (std::size_t at = 0; at < tile_of_.size(); ++at) {
       if (other.tile_of_[at] == 0) continue;
-      if (tile_of_[at] == 0) {
-        tile_of_[at] = static_cast<std::uint32_t>(tiles_.size());
-        tiles_.emplace_back();
-      }
+      if (tile_of_[at] == 0) tile_of_[at] = add_tile();
       Tile& own = tiles_[tile_of_[at]];
       const Tile& more = other.tiles_[other.tile_of_[at]];
       for (std::size_t i = 0; i < own.size(); ++i) {
@@ -136,11 +133,14 @@ class NodeSet {
   }
   [[nodiscard]] std::uint64_t& word_at(const Index<D>& p) {
     std::uint32_t& tile = tile_of_[tile_at(p)];
-    if (tile == 0) {
-      tile = static_cast<std::uint32_t>(tiles_.size());
-      tiles_.emplace_back();
-    }
+    if (tile == 0) tile = add_tile();
     return tiles_[tile][row_at(p)];
+  }
+  /// With little room for more: sets may take much of the memory there is.
+  [[nodiscard]] std::uint32_t add_tile() {
+    if (tiles_.size() == tiles_.capacity()) tiles_.reserve(tiles_.size() + tiles_.size() / 4 + 1);
+    tiles_.emplace_back();
+    return static_cast<std::uint32_t>(tiles_.size() - 1);
   }
 
   Shape<D> shape_;

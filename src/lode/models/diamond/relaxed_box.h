@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/models/diamond/side_box.h"
@@ -48,6 +49,18 @@ class RelaxedBox {
     return true;
   }
   [[nodiscard]] float value(const Index<3>& p) const { return values_[index_of(p)]; }
+  /// Of a point and those behind it along x, as far as the box goes.
+  [[nodiscard]] const float* values_from(const Index<3>& p) const {
+    return values_.data() + index_of(p);
+  }
+  /// Likewise: which sides they may be on.
+  [[nodiscard]] const std::uint8_t* marks_from(const Index<3>& p) const {
+    return marks_.data() + index_of(p);
+  }
+  /// Whether a sample with this mark can be on one side alone.
+  [[nodiscard]] static bool is_fixed(std::uint8_t mark) {
+    return mark != (kMayBeInside | kMayBeOutside);
+  }
   /// Nodes that are not on their samples' side.
   [[nodiscard]] const std::vector<Index<3>>& turned() const { return turned_; }
   /// Of the relaxed field.
@@ -57,6 +70,8 @@ class RelaxedBox {
   static constexpr std::uint8_t kMayBeInside = 1;
   static constexpr std::uint8_t kMayBeOutside = 2;
 
+  template <typename T>
+  void set_row(std::span<const T> samples, std::size_t at);
   /// A node, whose axis' ends have this mean.
   template <typename IsRefined>
   void relax_node(const Index<3>& p, std::size_t at, float mean, const IsRefined& is_refined);

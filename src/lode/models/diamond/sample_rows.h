@@ -59,6 +59,7 @@ T* copy_samples(const FlatField<3>& field, const Index<3>& p, std::int32_t n, st
                 T* to) {
   const T* from =
       reinterpret_cast<const T*>(field.samples.data()) + linear_index<3>(field.shape.dims, p);
+  if (step == 1) return std::copy_n(from, n, to);
   for (std::int32_t i = 0; i < n; ++i, from += step) *to++ = *from;
   return to;
 }

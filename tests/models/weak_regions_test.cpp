@@ -1,0 +1,229 @@
+// Pieces that do not persist are left out: those of regions that can be turned over.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "lode/mappers/surface_match.h"
+#include "lode/models/diamond/region_graph.h"
+#include "tests/models/kept_surfaces.h"
+#include "tests/models/turned_regions.h"
+#include "tests/oracles/trials.h"
+
+namespace lode {
+namespace {
+
+using namespace test;
+
+struct Kept {
+  Surface surface;
+  ExtractReport report;
+};
+
+Kept kept_of(const Dataset& dataset, const ExtractOptions& options) {
+  Progress progress;
+  Kept kept;
+  const auto report = dataset.extract(options, kept.surface, progress);
+  EXPECT_TRUE(report) << report.error().message;
+  if (report) kept.report = *report;
+  return kept;
+}
+
+ExtractOptions full_resolution(double isovalue, double persistence) {
+  return {.isovalues = {isovalue}, .max_error = 0, .keep_topology = persistence};
+}
+
+/// Edges that are crossed do not end in what is turned over, so no vertex moves.
+TEST(weak_regions, at_full_resolution_the_rest_stays_where_it_is) {
+  std::uint64_t n_weak_corners = 0;
+  for (std::uint64_t seed = 1; seed <= oracles::trials(24U, 8U); ++seed)
+    for (const Border border : {Border::open, Border::closed}) {
+      SCOPED_TRACE(seed);
+      Volume volume = smoothed_noise({{21, 34, 19}}, seed, static_cast<int>(seed % 2));
+      if (seed % 2 != 0) oracles::typed_samples<float>(volume)[0] = seed % 4 == 1 ? 0.2F : 0.0F;
+      const double persistence = 0.3;
+      const Volume turned = without_weak_regions(volume, volume, 0.1, persistence);
+      ExtractOptions options = full_resolution(0.1, persistence);
+      options.border = border;
+      const Kept kept = kept_of(built_in_memory(volume), options);
+      options.keep_topology.reset();
+      const Kept expected = kept_of(built_in_memory(turned), options);
+      EXPECT_TRUE(match_surfaces(expected.surface, kept.surface, 1e-4).is_same());
+      EXPECT_EQ(kept.report.cap_cells, expected.report.cap_cells);
+      const auto is_inside = [](const Volume& v) { return v.as<float>()[0] >= 0.1F; };
+      n_weak_corners += is_inside(volume) != is_inside(turned) ? 1 : 0;
+      if (seed > 2) continue;
+      options.keep_topology = persistence;
+      Progress progress;
+      const auto verified = built_in_memory(volume).verify_surface(kept.surface, options, progress);
+      ASSERT_TRUE(verified) << verified.error().message;
+      for (const auto& check : verified->checks)
+        EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
+      EXPECT_GT(kept.report.topology->weak_regions, 0U);
+    }
+  EXPECT_GT(n_weak_corners, 0U);
+}
+
+TEST(weak_regions, are_left_out_of_cubes) {
+  for (std::uint64_t seed = 1; seed <= oracles::trials(12U, 4U); ++seed) {
+    const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, seed, 1));
+    for (const double max_error : {0.0, 0.3}) {
+      ExtractOptions options = full_resolution(0.1, 0.4);
+      const Surface expected = kept_of(dataset, options).surface;
+      options.max_error = max_error;
+      options.style = SurfaceStyle::cubes;
+      EXPECT_EQ(pieces_of(kept_of(dataset, options).surface), pieces_of(expected));
+    }
+  }
+}
+
+TEST(weak_regions, are_each_isovalues_own) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 1));
+  ExtractOptions options = full_resolution(0.3, 0.25);
+  Surface expected = kept_of(dataset, options).surface;
+  options.isovalues = {-0.2};
+  const Surface other = kept_of(dataset, options).surface;
+  const auto n = static_cast<std::uint32_t>(expected.positions.size());
+  expected.positions.insert(expected.positions.end(), other.positions.begin(),
+                            other.positions.end());
+  for (auto triangle : other.triangles) {
+    for (std::uint32_t& v : triangle) v += n;
+    expected.triangles.push_back(triangle);
+  }
+  options.isovalues = {0.3, -0.2};
+  const Kept both = kept_of(dataset, options);
+  EXPECT_TRUE(match_surfaces(expected, both.surface, 1e-4).is_same());
+}
+
+TEST(weak_regions, may_be_all_that_there_is) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 0));
+  for (const double max_error : {0.0, 0.2, kAny}) {
+    ExtractOptions options = full_resolution(0.1, 5);
+    options.max_error = max_error;
+    const Kept kept = kept_of(dataset, options);
+    EXPECT_TRUE(kept.surface.is_empty());
+    EXPECT_EQ(kept.report.unmet, std::vector<double>{0.1});
+  }
+}
+
+/// As their pieces are, where there are no holes.
+TEST(weak_regions, are_counted) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 70, 37}}, 5, 1));
+  for (const double max_error : {0.0, 0.2, kAny}) {
+    ExtractOptions options = full_resolution(0.1, 0.2);
+    options.max_error = max_error;
+    const Kept kept = kept_of(dataset, options);
+    options.leaves_out_weak = false;
+    const Kept all = kept_of(dataset, options);
+    EXPECT_FALSE(all.report.topology->leaves_out_weak);
+    EXPECT_EQ(all.report.topology->weak_regions, 0U);
+    const std::size_t n_kept = check_topology(kept.surface, {}).components.size();
+    const std::size_t n_all = check_topology(all.surface, {}).components.size();
+    EXPECT_EQ(n_all - n_kept, kept.report.topology->weak_regions);
+    EXPECT_GT(n_all, n_kept);
+  }
+}
+
+TEST(weak_regions, are_missed_by_verification_where_they_stay) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 1));
+  for (const double max_error : {0.0, 0.2}) {
+    ExtractOptions options = full_resolution(0.1, 0.2);
+    options.max_error = max_error;
+    const Kept kept = kept_of(dataset, options);
+    options.leaves_out_weak = false;
+    const Kept all = kept_of(dataset, options);
+    options.leaves_out_weak = true;
+    Progress progress;
+    EXPECT_TRUE(dataset.verify_surface(kept.surface, options, progress)->passed());
+    EXPECT_FALSE(dataset.verify_surface(all.surface, options, progress)->passed());
+  }
+}
+
+/// A distance is to all there is; within an error, samples beyond it keep their sides.
+TEST(weak_regions, stay_where_surfaces_are_simplified) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 2));
+  for (const bool is_in_band : {false, true}) {
+    SCOPED_TRACE(is_in_band);
+    ExtractOptions options = full_resolution(0.1, 0.6);
+    options.simplify = Simplify::edges;
+    if (is_in_band)
+      options.max_error = 0.1;
+    else
+      options.simplify_distance = 1.5;
+    const Kept kept = kept_of(dataset, options);
+    EXPECT_FALSE(kept.report.topology->leaves_out_weak);
+    Progress progress;
+    const auto report = dataset.verify_surface(kept.surface, options, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->passed());
+    for (const auto& check : report->checks)
+      EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
+  }
+}
+
+/// On either side of holes that part the volume, in bricks that have no surface.
+TEST(weak_regions, are_apart_where_holes_part_them) {
+  for (const Index3& holes :
+       {Index3{{64, 65, 0}}, Index3{{60, 63, 0}}, Index3{{40, 90, 0}}, Index3{{96, 128, 0}}}) {
+    SCOPED_TRACE(holes[0]);
+    RegularGrid grid;
+    grid.dims = {{161, 33, 35}};
+    const Volume volume = oracles::volume_of<float>(grid, [&](const Index3& p) {
+      if (p[0] >= holes[0] && p[0] < holes[1]) return std::numeric_limits<double>::quiet_NaN();
+      if (p == Index3{{5, 5, 5}} || p == Index3{{150, 9, 8}}) return -3.0;
+      return p == Index3{{155, 20, 20}} ? 3.0 : 0.2;
+    });
+    const Volume turned = without_weak_regions(volume, volume, 0.0, 0.5);
+    ExtractOptions options = full_resolution(0.0, 0.5);
+    const Kept kept = kept_of(built_in_memory(volume), options);
+    EXPECT_EQ(kept.report.topology->weak_regions, 1U);
+    options.keep_topology.reset();
+    const Kept expected = kept_of(built_in_memory(turned), options);
+    EXPECT_TRUE(match_surfaces(expected.surface, kept.surface, 1e-4).is_same());
+    EXPECT_FALSE(kept.surface.is_empty());
+  }
+}
+
+/// A row of regions of sizes 3 1 2 5, of which the last is fixed, and one beside it of the same
+/// size as another.
+TEST(weak_regions, of_a_graph_are_turned_whatever_the_order) {
+  struct Piece {
+    int region;
+    std::uint64_t n;
+    std::uint64_t first;
+    bool is_fixed;
+  };
+  // Regions 0 - 1 - 2 - 3 - 4, in pieces.
+  const std::vector<Piece> pieces{{0, 3, 90, false}, {1, 1, 7, false}, {2, 1, 40, false},
+                                  {2, 1, 30, false}, {3, 5, 0, true},  {3, 0, ~0ULL, false},
+                                  {4, 2, 20, false}};
+  std::vector<std::size_t> order(pieces.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 50; ++trial) {
+    std::shuffle(order.begin(), order.end(), random);
+    diamond::RegionGraph graph;
+    std::vector<diamond::RegionGraph::Id> id(pieces.size());
+    for (const std::size_t i : order)
+      id[i] = graph.add(pieces[i].is_fixed, pieces[i].n, pieces[i].first);
+    graph.join(id[3], id[2]);
+    graph.join(id[4], id[5]);
+    graph.touch(id[0], id[1]);
+    graph.touch(id[1], id[3]);
+    graph.touch(id[5], id[2]);
+    graph.touch(id[6], id[4]);
+    const auto turned = graph.turn(Progress{});
+    // Region 1, with 0 and 2 then of 6 samples; region 4, which is one with 3; then 0, 1, 2.
+    EXPECT_EQ(turned.n_fewer, 4U);
+    const std::vector<bool> expected{true, false, true, true, false, false, true};
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      EXPECT_EQ(turned.is_turned[id[i]], expected[i]) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lode
