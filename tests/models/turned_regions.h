@@ -49,8 +49,10 @@ class Regions {
       });
   }
 
-  [[nodiscard]] std::size_t size() const { return regions_.size(); }
-  [[nodiscard]] bool has_weak() const { return weakest() >= 0; }
+  [[nodiscard]] std::size_t n_fixed() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        regions_, [](const auto& numbered) { return numbered.second.is_fixed; }));
+  }
   /// Turns the smallest regions that are not fixed, until there are none. By sample: whether it is
   /// on the other side then.
   [[nodiscard]] std::vector<bool> turn() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lode/mappers/surface_match.h"
+#include "lode/models/diamond/persistent_regions.h"
 #include "lode/models/diamond/region_graph.h"
 #include "tests/models/kept_surfaces.h"
 #include "tests/models/turned_regions.h"
@@ -186,6 +187,35 @@ TEST(weak_regions, are_apart_where_holes_part_them) {
     EXPECT_TRUE(match_surfaces(expected.surface, kept.surface, 1e-4).is_same());
     EXPECT_FALSE(kept.surface.is_empty());
   }
+}
+
+TEST(persistent_regions, are_those_of_brute_force) {
+  std::uint64_t n_found = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Volume volume = smoothed_noise({{24, 17, 30}}, seed, static_cast<int>(seed % 3));
+    if (seed % 2 == 0)
+      for (std::size_t i = 0; i < volume.as<float>().size(); i += 97)
+        oracles::typed_samples<float>(volume)[i] = std::numeric_limits<float>::quiet_NaN();
+    const double c = 0.1;
+    const double persistence = seed < 4 ? 0.01 : 0.2;
+    const auto samples = volume.as<float>();
+    const std::vector<double> values(samples.begin(), samples.end());
+    std::vector<bool> above;
+    std::vector<bool> below;
+    for (const double value : values) {
+      above.push_back(value >= c + persistence);
+      below.push_back(value < c - persistence);
+    }
+    Progress progress;
+    const auto found = diamond::count_persistent_regions(diamond::VolumeSamples(volume), c,
+                                                         persistence, {2}, progress);
+    ASSERT_TRUE(found);
+    const Index3& dims = volume.info.grid.dims;
+    EXPECT_EQ(found->inside, Regions(dims, values, c - persistence, above).n_fixed());
+    EXPECT_EQ(found->outside, Regions(dims, values, c + persistence, below).n_fixed());
+    n_found += found->inside + found->outside;
+  }
+  EXPECT_GT(n_found, 50U);
 }
 
 /// A row of regions of sizes 3 1 2 5, of which the last is fixed, and one beside it of the same

@@ -6,6 +6,7 @@
 
 #include "lode/api/common_nodes.h"
 #include "lode/api/compared_surfaces.h"
+#include "lode/api/persistence_verification.h"
 #include "lode/api/simplification.h"
 #include "lode/api/surface_text.h"
 #include "lode/api/topology_extraction.h"
@@ -308,9 +309,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   if (expected.keep_topology.value_or(1) == 0)
     add_pieces(surface, *expected.full_resolution, kFullResolution, options.threads, report);
   else if (expected.keep_topology)
-    report.skip(fmt::format("pieces as {}", kFullResolution),
-                fmt::format("not looked at: which of them may go with a persistence of {}",
-                            *expected.keep_topology));
+    LODE_CHECK(add_persistent(samples, model.has_holes(), surface, options, progress, report));
   if (expected.max_distance > 0) {
     LODE_CHECK(add_distance(surface, *expected.full_resolution, kFullResolution,
                             expected.max_distance, options.threads, progress, report));

@@ -5,5 +5,6 @@ set(DIAMOND_CHECK_SOURCES
   cell_field.cpp
   cell_neighbours.cpp
   level_set_check.cpp
+  persistent_regions.cpp
   side_check.cpp
   surface_coordinates.cpp)
