@@ -65,7 +65,7 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                "Refine where the surface would tear, join, lose or gain a piece: components, "
                "tunnels and voids are those of full resolution; with =P those at least that there "
                "are from P below the isovalue to P above it, without pieces round regions that "
-               "nowhere are farther than P from it")
+               "nowhere are farther than P from it (but with --max-distance and --simplify)")
       ->group(group);
   app.add_option(
          "--clip", arguments.clip,
@@ -210,7 +210,9 @@ void warn_of_unmet(Session& session, const std::vector<double>& unmet,
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    if (is_in_range && options.keep_topology.value_or(0) > 0)
+    const bool is_left_out = options.keep_topology.value_or(0) > 0 && !options.max_distance &&
+                             options.simplify == Simplify::off;
+    if (is_in_range && is_left_out)
       why = "nothing of it persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";

@@ -256,7 +256,7 @@ const VerifyReport::Check* check_of(const VerifyReport& report, std::string_view
   return found == report.checks.end() ? nullptr : &*found;
 }
 
-/// Of what may go, that no less is left than persists.
+/// Also that no fewer regions are left than persist.
 TEST(keep_topology, with_a_persistence_is_verified) {
   const Dataset dataset = built_in_memory(smoothed_noise({{33, 30, 35}}, 5, 2));
   for (const bool is_simplified : {false, true}) {
@@ -268,17 +268,17 @@ TEST(keep_topology, with_a_persistence_is_verified) {
     const auto report = dataset.verify_surface(surface, options, progress);
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->passed());
-    const auto* const regions = check_of(*report, "regions that persist by 0.1 are apart");
+    const auto* const regions = check_of(*report, "at least as many regions as persist by 0.1");
     EXPECT_EQ(regions != nullptr, !is_simplified);
     if (is_simplified) continue;
     EXPECT_FALSE(regions->skipped);
     const auto none = dataset.verify_surface({}, options, progress);
     ASSERT_TRUE(none);
-    const auto* const lost = check_of(*none, "regions that persist by 0.1 are apart");
+    const auto* const lost = check_of(*none, "at least as many regions as persist by 0.1");
     EXPECT_EQ(lost->count, regions->count);
     EXPECT_GT(lost->count, 2U);
     EXPECT_FALSE(lost->passed);
-    EXPECT_TRUE(lost->detail.ends_with("persist, 1 are apart")) << lost->detail;
+    EXPECT_TRUE(lost->detail.ends_with("persist, the surface parts 1")) << lost->detail;
     // Without the persistence it is another cut, and so it is without a triangle.
     ExtractOptions others = options;
     others.keep_topology = 0;

@@ -28,13 +28,13 @@ Result<void> ChunkNodes::find(ExtractReport& report, Progress& progress) {
       .none = [&] { return diamond::NodeSet<3>(field.shape); },
       .max_bytes = node_bytes,
       .critical =
-          [&](double isovalue, const diamond::NodeSet<3>& nodes) {
+          [&](double isovalue, const diamond::NodeSet<3>& nodes, std::uint64_t max_bytes) {
             return diamond::find_critical_nodes(
                 field, chunks_.blocks,
                 {.isovalue = isovalue,
                  .persistence = *options_.keep_topology,
                  .threads = options_.threads,
-                 .max_bytes = node_bytes,
+                 .max_bytes = max_bytes,
                  .tolerance = query_of<3>(isovalue, options_, report).cut_tolerance(),
                  .refined = &nodes,
                  .with_weak = report.topology->leaves_out_weak},

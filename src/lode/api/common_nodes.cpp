@@ -19,9 +19,14 @@ std::vector<double> sorted_isovalues(std::vector<double> isovalues) {
   return isovalues;
 }
 
+std::uint64_t bytes_of(const diamond::WeakSamples& weak) {
+  std::uint64_t n_bytes = 0;
+  for (const auto& [isovalue, samples] : weak) n_bytes += samples.n_bytes();
+  return n_bytes;
+}
+
 Result<void> check_size(const NodeSearch& search, const CommonNodes& nodes) {
-  std::uint64_t n_bytes = nodes.wanted->n_bytes();
-  for (const auto& [isovalue, samples] : nodes.weak) n_bytes += samples.n_bytes();
+  const std::uint64_t n_bytes = nodes.wanted->n_bytes() + bytes_of(nodes.weak);
   if (n_bytes <= search.max_bytes) return {};
   return fail(
       "keeping the topology: expected at most {} MB for the nodes that all isovalues take, got {} "
@@ -39,10 +44,12 @@ Result<void> add_critical_nodes(const ExtractOptions& options, const NodeSearch&
   std::size_t n_held = 0;  // The last so many, with these nodes.
   for (std::size_t i = 0; n_held < n; i = (i + 1) % n) {
     progress.report("finding critical nodes", 0);
-    LODE_TRY(diamond::CriticalNodes found, search.critical(isovalues[i], *nodes.wanted));
+    nodes.weak.erase(isovalues[i]);
+    LODE_TRY(diamond::CriticalNodes found,
+             search.critical(isovalues[i], *nodes.wanted,
+                             search.max_bytes - std::min(search.max_bytes, bytes_of(nodes.weak))));
     const std::uint64_t n_new = nodes.wanted->join(found.nodes);
     n_weak[i] = found.weak.n;
-    nodes.weak.erase(isovalues[i]);
     if (found.weak.samples) nodes.weak.emplace(isovalues[i], std::move(*found.weak.samples));
     LODE_CHECK(check_size(search, nodes));
     n_held = *options.keep_topology > 0 && n_new > 0 ? 1 : n_held + 1;

@@ -29,8 +29,10 @@ struct NodeSearch {
   std::function<Nodes()> none;  ///< Of the lattice.
   /// What nodes may take of memory.
   std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();
-  /// Beside those that are given.
-  std::function<Result<diamond::CriticalNodes>(double isovalue, const Nodes& nodes)> critical;
+  /// Beside those that are given, in so many bytes of a file's.
+  std::function<Result<diamond::CriticalNodes>(double isovalue, const Nodes& nodes,
+                                               std::uint64_t max_bytes)>
+      critical;
   /// With all that are given.
   std::function<Result<diamond::DistanceCut>(double isovalue, Nodes nodes)> within_distance;
 };

@@ -15,7 +15,7 @@ Result<CommonNodes> common_nodes(const Dataset::Impl& impl, const diamond::Model
   const NodeSearch search{
       .none = [&] { return diamond::NodeSet<3>(model.shape); },
       .critical =
-          [&](double isovalue, const diamond::NodeSet<3>& nodes) {
+          [&](double isovalue, const diamond::NodeSet<3>& nodes, std::uint64_t /*max_bytes*/) {
             return diamond::find_critical_nodes(
                 model,
                 {.isovalue = isovalue,

@@ -13,7 +13,7 @@ Result<void> add_persistent(const diamond::FieldSamples& samples, bool has_holes
                             const Surface& surface, const ExtractOptions& options,
                             Progress& progress, VerifyReport& report) {
   const double persistence = *options.keep_topology;
-  const std::string name = fmt::format("regions that persist by {} are apart", persistence);
+  const std::string name = fmt::format("at least as many regions as persist by {}", persistence);
   if (has_holes || options.border == Border::closed) {
     report.skip(name,
                 has_holes ? "not counted between holes" : "not counted where caps join pieces");
@@ -29,7 +29,7 @@ Result<void> add_persistent(const diamond::FieldSamples& samples, bool has_holes
       check_topology(surface, {.threads = options.threads}).components.size() +
       options.isovalues.size();
   report.add(name, n_persistent, n_persistent > n_apart ? n_persistent - n_apart : 0,
-             fmt::format("{} persist, {} are apart", n_persistent, n_apart));
+             fmt::format("{} persist, the surface parts {}", n_persistent, n_apart));
   return {};
 }
 

@@ -135,19 +135,19 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, do
 /// Of all isovalues, which are of one cut where their topology is kept.
 Result<CommonNodes> critical_nodes(const Model<3>& model, const ExpectedSurface& expected,
                                    const ExtractOptions& options, Progress& progress) {
-  const NodeSearch search{.none = [&] { return diamond::NodeSet<3>(model.shape); },
-                          .critical =
-                              [&](double isovalue, const diamond::NodeSet<3>& nodes) {
-                                return diamond::find_critical_nodes(
-                                    model,
-                                    {.isovalue = isovalue,
-                                     .persistence = *expected.keep_topology,
-                                     .threads = options.threads,
-                                     .tolerance = expected.tolerance,
-                                     .refined = &nodes},
-                                    progress);
-                              },
-                          .within_distance = {}};
+  const NodeSearch search{
+      .none = [&] { return diamond::NodeSet<3>(model.shape); },
+      .critical =
+          [&](double isovalue, const diamond::NodeSet<3>& nodes, std::uint64_t /*max_bytes*/) {
+            return diamond::find_critical_nodes(model,
+                                                {.isovalue = isovalue,
+                                                 .persistence = *expected.keep_topology,
+                                                 .threads = options.threads,
+                                                 .tolerance = expected.tolerance,
+                                                 .refined = &nodes},
+                                                progress);
+          },
+      .within_distance = {}};
   ExtractOptions kept = options;
   kept.keep_topology = expected.keep_topology;
   kept.max_distance.reset();

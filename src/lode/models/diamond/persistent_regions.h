@@ -16,8 +16,8 @@ struct PersistentRegions {
   std::uint64_t outside = 0;  ///< and of {F < c + P} that have one < c - P.
 };
 
-/// Counts them, by a flood through all samples: shares nothing with the search for nodes. Takes two
-/// bytes a sample and less. Fails when cancelled.
+/// Counts them, by a flood through all samples: shares nothing with the search for nodes. Takes a
+/// byte a sample, and what the front of a flood takes. Fails when cancelled.
 [[nodiscard]] Result<PersistentRegions> count_persistent_regions(const FieldSamples& samples,
                                                                  double isovalue,
                                                                  double persistence,

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -46,17 +47,18 @@ class WeakSearch {
     WeakRegions result;
     result.n = turned.n_fewer;
     if (turned.n_fewer == 0) return result;
-    result.samples.emplace(field_.shape);
-    set_unmet(bricks, *result.samples);
-    LODE_CHECK(
-        visit(with_turned(met), [&](const auto& part) { set_bricks(part, *result.samples); }));
+    samples_.emplace(field_.shape);
+    set_unmet(bricks);
+    LODE_CHECK(visit(with_turned(met), [&](const auto& part) { set_bricks(part); }));
     if (progress_.is_cancelled()) return cancelled_error();
+    result.samples = std::exchange(samples_, {});
     return result;
   }
 
   [[nodiscard]] std::uint64_t n_bytes() const {
-    std::uint64_t n = graph_.n_bytes();
-    for (const auto& [key, face] : waiting_) n += face.capacity() * sizeof(face[0]);
+    constexpr std::uint64_t kWaiting = 64;  // beside a face's pieces
+    std::uint64_t n = graph_.n_bytes() + (samples_ ? samples_->n_bytes() : 0);
+    for (const auto& [key, face] : waiting_) n += kWaiting + face.capacity() * sizeof(face[0]);
     return n + first_.capacity() * sizeof(first_[0]) + is_turned_.capacity() / 8;
   }
 
@@ -109,11 +111,11 @@ class WeakSearch {
   void join_face(const Index<3>& brick, std::size_t side, const Found& found,
                  const DueBricks& bricks);
   void join_faces(const Face& a, const Face& b);
-  void set_unmet(const DueBricks& bricks, NodeSet<3>& samples) const;
+  void set_unmet(const DueBricks& bricks);
   [[nodiscard]] std::vector<Index<3>> with_turned(const std::vector<Index<3>>& met) const;
   template <typename Part>
-  void set_bricks(const Part& part, NodeSet<3>& samples) const;
-  static void set_rows(const BrickBits& rows, const Index<3>& first, NodeSet<3>& samples);
+  void set_bricks(const Part& part);
+  void set_rows(const BrickBits& rows, const Index<3>& first);
 
   const RelaxedField<Field>& relaxed_;
   const Field& field_;
@@ -126,6 +128,7 @@ class WeakSearch {
   std::vector<std::pair<Id, Id>> first_;
   std::unordered_map<std::uint64_t, Face> waiting_;  ///< By lower brick and axis.
   std::vector<bool> is_turned_;
+  std::optional<NodeSet<3>> samples_;  ///< As far as they have been found.
 };
 
 template <typename Field>
@@ -247,7 +250,7 @@ void WeakSearch<Field>::join_faces(const Face& a, const Face& b) {
 
 /// All of the brick, to both ends: some of it may be corners of leaves beside it.
 template <typename Field>
-void WeakSearch<Field>::set_unmet(const DueBricks& bricks, NodeSet<3>& samples) const {
+void WeakSearch<Field>::set_unmet(const DueBricks& bricks) {
   for (std::size_t i = 0; i < first_.size(); ++i) {
     if (!bricks.is_unmet(i) || (!is_turned_[first_[i].first] && !is_turned_[first_[i].first + 1]))
       continue;
@@ -255,7 +258,7 @@ void WeakSearch<Field>::set_unmet(const DueBricks& bricks, NodeSet<3>& samples) 
     for (std::size_t at = 0; at < n_points<3>(all_equal<3>(kBrickSamples<3>)); ++at)
       if (const Index<3> p = lowest + point_of<3>(all_equal<3>(kBrickSamples<3>), at);
           field_.shape.is_sample(p))
-        samples.set(p);
+        samples_->set(p);
   }
 }
 
@@ -273,7 +276,7 @@ std::vector<Index<3>> WeakSearch<Field>::with_turned(const std::vector<Index<3>>
 
 template <typename Field>
 template <typename Part>
-void WeakSearch<Field>::set_bricks(const Part& part, NodeSet<3>& samples) const {
+void WeakSearch<Field>::set_bricks(const Part& part) {
   Workers workers(as_size(n_workers(query_.threads)));
   for (std::size_t begin = 0; begin < part.bricks.size(); begin += kAtOnce) {
     if (progress_.is_cancelled()) return;
@@ -289,17 +292,16 @@ void WeakSearch<Field>::set_bricks(const Part& part, NodeSet<3>& samples) const 
           turned[i][brick_row(as_size(y), as_size(z))] = regions.row_of(y, z, is_turned);
     });
     for (std::size_t i = 0; i < some.size(); ++i)
-      set_rows(turned[i], part.in_field(some[i]) * kBrickEdge<3>, samples);
+      set_rows(turned[i], part.in_field(some[i]) * kBrickEdge<3>);
   }
 }
 
 template <typename Field>
-void WeakSearch<Field>::set_rows(const BrickBits& rows, const Index<3>& first,
-                                 NodeSet<3>& samples) {
+void WeakSearch<Field>::set_rows(const BrickBits& rows, const Index<3>& first) {
   for (std::int32_t z = 0; z < kBrickSamples<3>; ++z)
     for (std::int32_t y = 0; y < kBrickSamples<3>; ++y)
       for (std::uint64_t row = rows[brick_row(as_size(y), as_size(z))]; row != 0; row &= row - 1)
-        samples.set(first + Index<3>{{std::countr_zero(row), y, z}});
+        samples_->set(first + Index<3>{{std::countr_zero(row), y, z}});
 }
 
 }  // namespace lode::diamond
