@@ -1,5 +1,7 @@
 // The style of cubes from files, chunk by chunk, is what it is from memory.
 #include <algorithm>
+#include <atomic>
+#include <thread>
 
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/file_extract.h"
@@ -103,7 +105,9 @@ TEST(stored_cubes, of_several_isovalues_come_side_by_side) {
   store::BlockCache blocks(*reader, 1'000'000);
   std::array<Surface, 4> surfaces;
   std::vector<SurfaceCollector> sinks(surfaces.begin(), surfaces.end());
-  const auto sink_of = [&](std::size_t i) -> SurfaceSink* {
+  std::atomic<int> n_elsewhere = 0;  // Sinks may go while they are asked for.
+  const auto sink_of = [&, own = std::this_thread::get_id()](std::size_t i) -> SurfaceSink* {
+    if (std::this_thread::get_id() != own) ++n_elsewhere;
     if (i == 1 || (i == 2 && !surfaces[2].triangles.empty())) return nullptr;
     return &sinks[i];
   };
@@ -113,6 +117,7 @@ TEST(stored_cubes, of_several_isovalues_come_side_by_side) {
       {.tolerance = 3, .style = SurfaceStyle::cubes, .with_deviation = true, .threads = {2}},
       sink_of, progress);
   ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(n_elsewhere, 0);
   EXPECT_LE(report->deviation.error, 3);
   for (const std::size_t i : {0U, 2U, 3U}) {
     StoredExtract alone;

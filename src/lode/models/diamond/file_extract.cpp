@@ -126,6 +126,9 @@ class FileExtraction {
       selections.emplace_back(part_.model(), isovalues_[i], query_.cut_tolerance(),
                               wanted_here ? &*wanted_here : nullptr);
     LODE_TRY(const std::vector<CubeCells> cubes, find_cubes(selections, begin, end, progress));
+    // Asked here alone: it may let go of surfaces.
+    std::vector<bool> has_sink;
+    for (std::size_t i = 0; i < isovalues_.size(); ++i) has_sink.push_back(sink_of_(i) != nullptr);
     std::vector<Pieces> pieces(end - begin);
     std::vector<TraversalStats> stats(end - begin);
     std::vector<std::unique_ptr<BrickMarcher<D>>> workers(as_size(n_workers(query_.threads)));
@@ -135,7 +138,7 @@ class FileExtraction {
         worker = std::make_unique<BrickMarcher<D>>(selections, frame_);
         worker->set_cubes(cubes);
       }
-      march_brick(*worker, begin + i, pieces[i], stats[i]);
+      march_brick(*worker, begin + i, has_sink, pieces[i], stats[i]);
       for (BrickPiece<D>& piece : pieces[i])
         find_normals(piece.part, &part_.samples(), part_.origin());
     });
@@ -181,11 +184,12 @@ class FileExtraction {
     return cubes;
   }
 
-  void march_brick(BrickMarcher<D>& marcher, std::size_t i, Pieces& pieces, TraversalStats& stats) {
+  void march_brick(BrickMarcher<D>& marcher, std::size_t i, const std::vector<bool>& has_sink,
+                   Pieces& pieces, TraversalStats& stats) {
     const CutBrick<D> brick = work_.local(i, part_.origin());
     marcher.march(
         {brick.brick, part_.origin(), field_.axes}, brick.simplices,
-        [&](std::size_t isovalue) { return sink_of_(isovalue) != nullptr; }, stats, pieces);
+        [&](std::size_t isovalue) { return has_sink[isovalue]; }, stats, pieces);
     for (BrickPiece<D>& piece : pieces) leave_out_weak(piece.isovalue, piece.part);
   }
 

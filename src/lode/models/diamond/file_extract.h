@@ -10,7 +10,8 @@
 
 namespace lode::diamond {
 
-/// Where pieces of an isovalue's surface go, by its number; null: nowhere, from now on.
+/// Where pieces of an isovalue's surface go, by its number; null: nowhere, from now on. Is called
+/// from the thread that extracts alone: it may let go of surfaces.
 using SinkOfIsovalue = std::function<SurfaceSink*(std::size_t)>;
 
 /// Is shown a chunk's samples before its pieces go to their sinks.
