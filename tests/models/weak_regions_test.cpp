@@ -57,6 +57,7 @@ TEST(weak_regions, at_full_resolution_the_rest_stays_where_it_is) {
       EXPECT_EQ(kept.report.cap_cells, expected.report.cap_cells);
       const auto is_inside = [](const Volume& v) { return v.as<float>()[0] >= 0.1F; };
       n_weak_corners += is_inside(volume) != is_inside(turned) ? 1 : 0;
+      EXPECT_GT(kept.report.topology->weak_regions, 0U);
       if (seed > 2) continue;
       options.keep_topology = persistence;
       Progress progress;
@@ -64,7 +65,6 @@ TEST(weak_regions, at_full_resolution_the_rest_stays_where_it_is) {
       ASSERT_TRUE(verified) << verified.error().message;
       for (const auto& check : verified->checks)
         EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
-      EXPECT_GT(kept.report.topology->weak_regions, 0U);
     }
   EXPECT_GT(n_weak_corners, 0U);
 }
