@@ -97,6 +97,15 @@ class NodeSet {
     word |= bit;
     return true;
   }
+  /// Alone, those at `first` + i along the first axis for which bit i is set; all are samples.
+  void set_row(const Index<D>& first, std::uint64_t bits) {
+    const std::int32_t skipped = first[0] % kRow;
+    if (bits << skipped != 0) word_at(first) |= bits << skipped;
+    if (skipped == 0 || bits >> (kRow - skipped) == 0) return;
+    Index<D> next = first;
+    next[0] += kRow - skipped;
+    word_at(next) |= bits >> (kRow - skipped);
+  }
   /// Takes one that is there away, alone.
   void reset(const Index<D>& centre) {
     word_at(centre) &= ~(std::uint64_t{1} << (centre[0] % kRow));

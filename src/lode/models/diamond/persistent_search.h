@@ -40,7 +40,6 @@ class PersistentSearch {
   /// seen.
   template <typename Visit>
   Result<CriticalNodes> run(const Visit& visit) {
-    relaxed_.relax_coarse();
     if (!relaxed_.is_full()) LODE_CHECK(find_nodes(visit));
     for (const std::uint64_t n : n_critical_) found_.n_critical += n;
     if (query_.with_weak) {

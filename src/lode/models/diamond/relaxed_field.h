@@ -81,7 +81,8 @@ class RelaxedField {
 
   /// Every kStep-th sample; before any brick. Again where more is refined.
   const RelaxedBox& relax_coarse();
-  /// A brick of a part, with all that stars of nodes inside it reach; in the part's lattice.
+  /// A brick of a part, with all that stars of nodes inside it reach; in the part's lattice. Where
+  /// everything is refined it has its samples.
   template <typename Part>
   void relax(const Part& part, const Index<3>& brick, RelaxedBox& box) const;
 
@@ -92,7 +93,7 @@ class RelaxedField {
     return field.has_holes() || tolerance < 2 * most || !(most < kLargest);
   }
   [[nodiscard]] bool is_known_refined(const Index<3>& centre) const {
-    return is_full() || refined_.contains(centre) ||
+    return refined_.contains(centre) ||
            field_.shape.reaches_across(centre, common_exponent<3>(centre));
   }
 
@@ -164,6 +165,7 @@ void RelaxedField<Field>::relax(const Part& part, const Index<3>& brick, Relaxed
   }
   box.open(dims, round);
   for (std::size_t row = 0; row < box.n_rows(); ++row) box.fill_row(part.samples, row, 1);
+  if (is_full()) return;
   box.relax(
       n_fine_levels(),
       [&](const Index<3>& p) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -38,7 +37,11 @@ class WeakSearch {
     first_.resize(n_points<3>(brick_dims_));
     add_unmet(bricks);
     const std::vector<Index<3>> met = bricks.list_met();
-    LODE_CHECK(visit(met, [&](const auto& part) { add_bricks(part, bricks); }));
+    LODE_CHECK(visit(met, [&](const auto& part) {
+      for_each_brick(
+          part, [](const Index<3>&, const BrickRegions& regions) { return Found::of(regions); },
+          [&](const Index<3>& brick, const Found& found) { add(brick, found, bricks); });
+    }));
     if (progress_.is_cancelled()) return cancelled_error();
     RegionGraph::Turned turned = graph_.turn(progress_);
     if (progress_.is_cancelled()) return cancelled_error();
@@ -49,7 +52,14 @@ class WeakSearch {
     if (turned.n_fewer == 0) return result;
     samples_.emplace(field_.shape);
     set_unmet(bricks);
-    LODE_CHECK(visit(with_turned(met), [&](const auto& part) { set_bricks(part); }));
+    LODE_CHECK(visit(with_turned(met), [&](const auto& part) {
+      for_each_brick(
+          part,
+          [&](const Index<3>& brick, const BrickRegions& regions) {
+            return turned_rows(brick, regions);
+          },
+          [&](const Index<3>& brick, const BrickBits& rows) { set_rows(brick, rows); });
+    }));
     if (progress_.is_cancelled()) return cancelled_error();
     result.samples = std::exchange(samples_, {});
     return result;
@@ -90,7 +100,6 @@ class WeakSearch {
     RelaxedBox box;
     BrickRegions regions;
   };
-  using Workers = std::vector<std::unique_ptr<Worker>>;
 
   [[nodiscard]] std::size_t number_of(const Index<3>& brick) const {
     return linear_index<3>(brick_dims_, brick);
@@ -98,14 +107,13 @@ class WeakSearch {
   [[nodiscard]] std::uint64_t sample_number(const Index<3>& p) const {
     return linear_index<3>(field_.shape.dims, p);
   }
-  /// Whether any node with a centre in a brick, or beside it, is below it on the side.
+  /// By the ranges of a brick's nodes: whether it may have samples that can be on a side alone.
   [[nodiscard]] bool may_be_fixed(const Index<3>& brick, bool is_inside) const;
   void add_unmet(const DueBricks& bricks);
-  template <typename Part>
-  void add_bricks(const Part& part, const DueBricks& bricks);
-  template <typename Part>
-  [[nodiscard]] const BrickRegions& find_regions(const Part& part, const Index<3>& brick,
-                                                 std::unique_ptr<Worker>& worker) const;
+  /// Calls keep(brick, BrickRegions) for some of a part's bricks at a time, in parallel, then
+  /// use(brick, what that has given) one by one, in order.
+  template <typename Part, typename Keep, typename Use>
+  void for_each_brick(const Part& part, const Keep& keep, const Use& use);
   void add(const Index<3>& brick, const Found& found, const DueBricks& bricks);
   /// What lies beyond a face of a brick, if that has samples all on one side; or else waits.
   void join_face(const Index<3>& brick, std::size_t side, const Found& found,
@@ -113,9 +121,8 @@ class WeakSearch {
   void join_faces(const Face& a, const Face& b);
   void set_unmet(const DueBricks& bricks);
   [[nodiscard]] std::vector<Index<3>> with_turned(const std::vector<Index<3>>& met) const;
-  template <typename Part>
-  void set_bricks(const Part& part);
-  void set_rows(const BrickBits& rows, const Index<3>& first);
+  [[nodiscard]] BrickBits turned_rows(const Index<3>& brick, const BrickRegions& regions) const;
+  void set_rows(const Index<3>& brick, const BrickBits& rows);
 
   const RelaxedField<Field>& relaxed_;
   const Field& field_;
@@ -163,30 +170,25 @@ void WeakSearch<Field>::add_unmet(const DueBricks& bricks) {
 }
 
 template <typename Field>
-template <typename Part>
-const BrickRegions& WeakSearch<Field>::find_regions(const Part& part, const Index<3>& brick,
-                                                    std::unique_ptr<Worker>& worker) const {
-  if (!worker)
-    worker =
-        std::make_unique<Worker>(Worker{RelaxedBox(query_.isovalue, query_.persistence, true), {}});
-  relaxed_.relax(part, brick, worker->box);
-  worker->regions.find(worker->box, brick * kBrickEdge<3>,
-                       own_centres(brick, part.samples.shape.dims));
-  return worker->regions;
-}
-
-template <typename Field>
-template <typename Part>
-void WeakSearch<Field>::add_bricks(const Part& part, const DueBricks& bricks) {
-  Workers workers(as_size(n_workers(query_.threads)));
+template <typename Part, typename Keep, typename Use>
+void WeakSearch<Field>::for_each_brick(const Part& part, const Keep& keep, const Use& use) {
+  std::vector<std::unique_ptr<Worker>> workers(as_size(n_workers(query_.threads)));
+  using Kept = decltype(keep(part.bricks[0], workers[0]->regions));
   for (std::size_t begin = 0; begin < part.bricks.size(); begin += kAtOnce) {
     if (progress_.is_cancelled()) return;
     const auto some = part.bricks.subspan(begin, std::min(kAtOnce, part.bricks.size() - begin));
-    std::vector<Found> found(some.size());
+    std::vector<Kept> kept(some.size());
     parallel_for(some.size(), query_.threads, 1, [&](std::size_t i, int number) {
-      found[i] = Found::of(find_regions(part, some[i], workers[as_size(number)]));
+      auto& worker = workers[as_size(number)];
+      if (!worker)
+        worker = std::make_unique<Worker>(
+            Worker{RelaxedBox(query_.isovalue, query_.persistence, true), {}});
+      relaxed_.relax(part, some[i], worker->box);
+      worker->regions.find(worker->box, some[i] * kBrickEdge<3>,
+                           own_centres(some[i], part.samples.shape.dims));
+      kept[i] = keep(part.in_field(some[i]), worker->regions);
     });
-    for (std::size_t i = 0; i < some.size(); ++i) add(part.in_field(some[i]), found[i], bricks);
+    for (std::size_t i = 0; i < some.size(); ++i) use(part.in_field(some[i]), kept[i]);
   }
 }
 
@@ -254,11 +256,13 @@ void WeakSearch<Field>::set_unmet(const DueBricks& bricks) {
   for (std::size_t i = 0; i < first_.size(); ++i) {
     if (!bricks.is_unmet(i) || (!is_turned_[first_[i].first] && !is_turned_[first_[i].first + 1]))
       continue;
-    const Index<3> lowest = point_of<3>(brick_dims_, i) * kBrickEdge<3>;
-    for (std::size_t at = 0; at < n_points<3>(all_equal<3>(kBrickSamples<3>)); ++at)
-      if (const Index<3> p = lowest + point_of<3>(all_equal<3>(kBrickSamples<3>), at);
-          field_.shape.is_sample(p))
-        samples_->set(p);
+    const Index<3> first = point_of<3>(brick_dims_, i) * kBrickEdge<3>;
+    Index<3> n;
+    for (std::size_t a = 0; a < 3; ++a)
+      n[a] = std::min(kBrickSamples<3>, field_.shape.dims[a] - first[a]);
+    const std::uint64_t row = (std::uint64_t{1} << n[0]) - 1;
+    for (std::int32_t z = 0; z < n[2]; ++z)
+      for (std::int32_t y = 0; y < n[1]; ++y) samples_->set_row(first + Index<3>{{0, y, z}}, row);
   }
 }
 
@@ -275,33 +279,22 @@ std::vector<Index<3>> WeakSearch<Field>::with_turned(const std::vector<Index<3>>
 }
 
 template <typename Field>
-template <typename Part>
-void WeakSearch<Field>::set_bricks(const Part& part) {
-  Workers workers(as_size(n_workers(query_.threads)));
-  for (std::size_t begin = 0; begin < part.bricks.size(); begin += kAtOnce) {
-    if (progress_.is_cancelled()) return;
-    const auto some = part.bricks.subspan(begin, std::min(kAtOnce, part.bricks.size() - begin));
-    std::vector<BrickBits> turned(some.size());
-    parallel_for(some.size(), query_.threads, 1, [&](std::size_t i, int number) {
-      const auto& [first, n] = first_[number_of(part.in_field(some[i]))];
-      const std::vector<bool> is_turned(is_turned_.begin() + first, is_turned_.begin() + first + n);
-      const BrickRegions& regions = find_regions(part, some[i], workers[as_size(number)]);
-      turned[i].fill(0);
-      for (std::int32_t z = 0; z < regions.size()[2]; ++z)
-        for (std::int32_t y = 0; y < regions.size()[1]; ++y)
-          turned[i][brick_row(as_size(y), as_size(z))] = regions.row_of(y, z, is_turned);
-    });
-    for (std::size_t i = 0; i < some.size(); ++i)
-      set_rows(turned[i], part.in_field(some[i]) * kBrickEdge<3>);
-  }
+BrickBits WeakSearch<Field>::turned_rows(const Index<3>& brick, const BrickRegions& regions) const {
+  const auto& [first, n] = first_[number_of(brick)];
+  const std::vector<bool> is_turned(is_turned_.begin() + first, is_turned_.begin() + first + n);
+  BrickBits rows{};
+  for (std::int32_t z = 0; z < regions.size()[2]; ++z)
+    for (std::int32_t y = 0; y < regions.size()[1]; ++y)
+      rows[brick_row(as_size(y), as_size(z))] = regions.row_of(y, z, is_turned);
+  return rows;
 }
 
 template <typename Field>
-void WeakSearch<Field>::set_rows(const BrickBits& rows, const Index<3>& first) {
+void WeakSearch<Field>::set_rows(const Index<3>& brick, const BrickBits& rows) {
   for (std::int32_t z = 0; z < kBrickSamples<3>; ++z)
     for (std::int32_t y = 0; y < kBrickSamples<3>; ++y)
-      for (std::uint64_t row = rows[brick_row(as_size(y), as_size(z))]; row != 0; row &= row - 1)
-        samples_->set(first + Index<3>{{std::countr_zero(row), y, z}});
+      if (const std::uint64_t row = rows[brick_row(as_size(y), as_size(z))]; row != 0)
+        samples_->set_row(brick * kBrickEdge<3> + Index<3>{{0, y, z}}, row);
 }
 
 }  // namespace lode::diamond
