@@ -142,7 +142,7 @@ std::string describe_tolerance(const ExtractOptions& options, double max_error) 
 std::string describe_topology(const ExtractReport& report) {
   const KeptTopology& kept = *report.topology;
   const std::string left_out = kept.leaves_out_weak
-                                   ? fmt::format("; {} regions left out that do not persist",
+                                   ? fmt::format("; regions left out that do not persist: {}",
                                                  format_count(kept.weak_regions))
                                    : "";
   if (!kept.is_searched)
@@ -210,9 +210,7 @@ void warn_of_unmet(Session& session, const std::vector<double>& unmet,
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    const bool is_left_out = options.keep_topology.value_or(0) > 0 && !options.max_distance &&
-                             options.simplify == Simplify::off;
-    if (is_in_range && is_left_out)
+    if (is_in_range && leaves_out_weak(options))
       why = "nothing of it persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";

@@ -11,10 +11,7 @@ WantedNodes ChunkNodes::begin(ExtractReport& report, Progress& progress) {
   if (options_.max_distance)
     report.distance =
         DistanceReport{.max_distance = *options_.max_distance, .memory_limit = memory_limit_};
-  const bool is_searched =
-      (report.topology && (report.topology->is_searched || report.topology->leaves_out_weak)) ||
-      (options_.max_distance && report.max_error > 0);
-  if (!is_searched) return {};
+  if (!has_common_nodes(options_, report)) return {};
   return [this, &report, &progress]() -> Result<const CommonNodes*> {
     if (!nodes_) LODE_CHECK(find(report, progress));
     return &*nodes_;

@@ -87,29 +87,41 @@ Result<std::uint64_t> add_near_nodes(const ExtractOptions& options, const NodeSe
   return n_added;
 }
 
+bool has_critical(const ExtractReport& report) {
+  return report.topology && (report.topology->is_searched || report.topology->leaves_out_weak);
+}
+
+bool has_near(const ExtractOptions& options, const ExtractReport& report) {
+  return options.max_distance && report.max_error > 0;
+}
+
 }  // namespace
+
+bool has_common_nodes(const ExtractOptions& options, const ExtractReport& report) {
+  return has_critical(report) || has_near(options, report);
+}
 
 Result<CommonNodes> find_common_nodes(const ExtractOptions& options, const NodeSearch& search,
                                       ExtractReport& report, Progress& progress) {
-  const bool is_searched = report.topology && report.topology->is_searched;
-  const bool has_critical = is_searched || (report.topology && report.topology->leaves_out_weak);
-  const bool has_near = options.max_distance && report.max_error > 0;
   CommonNodes nodes;
-  if (!has_critical && !has_near) return nodes;
+  if (!has_common_nodes(options, report)) return nodes;
+  const bool is_near = has_near(options, report);
   nodes.wanted = search.none();
   std::vector<diamond::DistanceCutReport> near(options.isovalues.size());
   for (std::uint64_t n_added = 1; n_added > 0;) {
     n_added = 0;
-    if (has_critical) LODE_CHECK(add_critical_nodes(options, search, nodes, report, progress));
-    if (has_near) {
+    if (has_critical(report))
+      LODE_CHECK(add_critical_nodes(options, search, nodes, report, progress));
+    if (is_near) {
       LODE_TRY(n_added, add_near_nodes(options, search, *nodes.wanted, near, report));
     }
     // What the distance adds may undo what a persistence has found.
-    if (!has_critical || *options.keep_topology == 0) break;
+    if (!has_critical(report) || *options.keep_topology == 0) break;
   }
-  if (has_near)
+  if (is_near)
     for (const diamond::DistanceCutReport& one : near) add_distance(one, report);
-  if (!is_searched && !has_near) nodes.wanted.reset();
+  const bool refines = is_near || (report.topology && report.topology->is_searched);
+  if (!refines) nodes.wanted.reset();
   return nodes;
 }
 

@@ -37,6 +37,9 @@ struct NodeSearch {
   std::function<Result<diamond::DistanceCut>(double isovalue, Nodes nodes)> within_distance;
 };
 
+/// Whether there is anything to be found.
+[[nodiscard]] bool has_common_nodes(const ExtractOptions& options, const ExtractReport& report);
+
 /// The nodes that keep_topology and max_distance want refined whatever their error, of all
 /// isovalues together: so all their surfaces lie in one cut, where none meets another. Each is held
 /// to its distance in that cut, again where others have added to it; so is its topology with a

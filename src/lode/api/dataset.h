@@ -118,6 +118,10 @@ struct ExtractOptions {
   std::uint64_t memory_limit = 0;
 };
 
+/// Whether pieces that do not persist are left out: not where a distance is to be kept, nor where
+/// samples beyond an error keep their sides.
+[[nodiscard]] bool leaves_out_weak(const ExtractOptions& options);
+
 /// Seconds per phase of an extraction.
 struct ExtractSeconds {
   double total = 0;
