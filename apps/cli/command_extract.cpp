@@ -291,7 +291,7 @@ void add_job(const ExtractReport& report, const ExtractOptions& options, const I
              Session& session, Totals& totals) {
   totals.add(report);
   warn_of_open(session, report);
-  warn_of_unmet(session, report.unmet, options, input.info);
+  warn_of_unmet(session, report, options, input.info);
 }
 
 /// Simplified by themselves surfaces keep to their bands, which may be one in places.

@@ -240,7 +240,7 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
   warn_of_open(session, rendering.extraction);
-  warn_of_unmet(session, rendering.extraction.unmet, extraction, input.info);
+  warn_of_unmet(session, rendering.extraction, extraction, input.info);
   OutputSet frames({});
   if (arguments.progressive.is_wanted()) {
     LODE_TRY(const int n, to_frames_per_step(arguments.progressive));

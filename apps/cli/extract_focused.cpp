@@ -83,11 +83,14 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
                     format_number(report.standing.error_bound)));
   if (!surface.is_empty()) return;
   const bool is_limited = !report.standing.is_settled || !report.standing.memory_met || has_budget;
-  if (!is_limited || report.standing.error_bound == 0)
-    warn_of_unmet(session, {isovalue}, options, info);
-  else
+  if (!is_limited || report.standing.error_bound == 0) {
+    ExtractReport unmet;
+    unmet.unmet = {isovalue};
+    warn_of_unmet(session, unmet, options, info);
+  } else {
     session.warn(fmt::format("no surface at isovalue {} yet: {} came too soon", isovalue,
                              what_ended(report.standing)));
+  }
 }
 
 }  // namespace

@@ -65,7 +65,9 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                "Refine where the surface would tear, join, lose or gain a piece: components, "
                "tunnels and voids are those of full resolution; with =P those at least that there "
                "are from P below the isovalue to P above it, without pieces round regions that "
-               "nowhere are farther than P from it (but with --max-distance and --simplify)")
+               "nowhere are farther than P from it (but with --max-distance; with --simplify "
+               "that is of what is left, and P is --max-error at most, or leaves nothing out "
+               "where both are given)")
       ->group(group);
   app.add_option(
          "--clip", arguments.clip,
@@ -196,12 +198,12 @@ void warn_of_open(Session& session, const ExtractReport& report) {
     session.warn(fmt::format("the surface stays open at holes: along {} edges", report.open_edges));
 }
 
-void warn_of_unmet(Session& session, const std::vector<double>& unmet,
-                   const ExtractOptions& options, const DatasetInfo& info) {
+void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractOptions& options,
+                   const DatasetInfo& info) {
   const bool is_cropped = options.clip || options.min_component > 0;
   const bool is_all_holes =
       info.n_holes == static_cast<std::uint64_t>(info.volume.grid.n_samples());
-  for (const double isovalue : unmet) {
+  for (const double isovalue : report.unmet) {
     if (is_all_holes) {
       session.warn(fmt::format("no surface at isovalue {}: the field has no finite sample{}",
                                isovalue, info.volume.nodata ? " but nodata" : ""));
@@ -210,7 +212,7 @@ void warn_of_unmet(Session& session, const std::vector<double>& unmet,
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    if (is_in_range && leaves_out_weak(options))
+    if (is_in_range && report.topology && report.topology->leaves_out_weak)
       why = "nothing of it persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";

@@ -44,8 +44,9 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
 void warn_of_cubes(Session& session, const ExtractOptions& options);
 /// Warns where holes keep a surface open that was to be closed.
 void warn_of_open(Session& session, const ExtractReport& report);
-/// Warns of each such isovalue, naming the value range or the options that may have removed it.
-void warn_of_unmet(Session& session, const std::vector<double>& unmet,
-                   const ExtractOptions& options, const DatasetInfo& info);
+/// Warns of each isovalue without a surface, naming the value range or the options that may have
+/// removed it.
+void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractOptions& options,
+                   const DatasetInfo& info);
 
 }  // namespace lode::cli

@@ -173,13 +173,15 @@ void add_simplified(Table& table, const ExtractReport& report) {
     table.add({"simplified within",
                fmt::format("|F - isovalue| at most {} where edges collapsed (asked for: {})",
                            format_number(done.proven_error), format_number(done.max_error))});
-  if (std::isfinite(done.max_distance))
-    table.add({"distance",
-               fmt::format("at most {} from {} and back (asked for: {})",
-                           format_number(done.proven_distance),
-                           done.max_error > 0 && done.start_distance > 0 ? "full resolution"
-                                                                         : "the surface before",
-                           format_number(done.max_distance))});
+  if (std::isfinite(done.max_distance)) {
+    const char* const from = done.max_error > 0 && done.start_distance > 0 ? "full resolution"
+                             : report.topology && report.topology->leaves_out_weak
+                                 ? "the surface before, of what persists,"
+                                 : "the surface before";
+    table.add({"distance", fmt::format("at most {} from {} and back (asked for: {})",
+                                       format_number(done.proven_distance), from,
+                                       format_number(done.max_distance))});
+  }
   if (done.max_error > 0)
     table.add({"pieces in the band",
                done.components_dropped == 0

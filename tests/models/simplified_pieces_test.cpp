@@ -109,6 +109,7 @@ void expect_simplified(const Volume& volume, const char* extension,
   EXPECT_EQ(result.report.max_error, *options.max_error);
   EXPECT_EQ(simplified.max_error, *options.max_error);
   EXPECT_LE(simplified.proven_error, *options.max_error);
+  if (options.keep_topology) EXPECT_GT(result.report.topology->weak_regions, 10U);
   for (const Vec3f& n : result.surface.normals) ASSERT_NEAR(length(n), 1, 1e-3);
   expect_verified(lode, options, result.surface);
 }
@@ -170,6 +171,23 @@ TEST(simplified_pieces, may_be_of_cubes) {
   in_band.style = SurfaceStyle::cubes;
   expect_simplified(noisy_waves(long_grid()), ".ply", in_band);
   expect_simplified(waves_with_holes(), ".vtp", in_band);
+}
+
+TEST(simplified_pieces, may_be_without_what_does_not_persist) {
+  ExtractOptions near = within_distance();
+  near.keep_topology = 1.2;
+  expect_simplified(noisy_waves(long_grid()), ".ply", near);
+  ExtractOptions far = near;
+  far.simplify_distance = 2.2;
+  expect_simplified(noisy_waves(long_grid()), ".ply", far);
+  ExtractOptions in_band = within_error(8);
+  in_band.keep_topology = 20;
+  expect_simplified(noisy_waves(long_grid(), 3), ".ply", in_band);
+  if (!oracles::trials(true, false)) return;
+  in_band.keep_topology = 1.2;
+  expect_simplified(noisy_waves(long_grid()), ".ply", in_band);
+  near.style = SurfaceStyle::cubes;
+  expect_simplified(noisy_waves(long_grid()), ".vtp", near);
 }
 
 TEST(simplified_pieces, drop_specks_in_the_band_that_lie_in_one) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -82,6 +83,29 @@ TEST(weak_regions, are_left_out_of_cubes) {
   }
 }
 
+std::size_t n_vertices_on_diagonals(const Surface& surface, const RegularGrid& grid) {
+  return static_cast<std::size_t>(std::ranges::count_if(surface.positions, [&](const Vec3f& p) {
+    int n_between = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double at = (static_cast<double>(p[i]) + surface.origin[i]) / grid.spacing[i];
+      n_between += std::abs(at - std::round(at)) > 1e-4 ? 1 : 0;
+    }
+    return n_between > 1;
+  }));
+}
+
+/// Else what is left of a cube could be near a piece of the tetrahedra that is left out.
+TEST(weak_regions, leave_no_cubes_beside_them_within_a_distance) {
+  const Volume volume = smoothed_noise({{34, 30, 37}}, 3, 1);
+  ExtractOptions options = full_resolution(0.1, 0.4);
+  options.style = SurfaceStyle::cubes;
+  const Surface cubes = kept_of(built_in_memory(volume), options).surface;
+  options.style_distance = 1e6;
+  const Surface kept = kept_of(built_in_memory(volume), options).surface;
+  EXPECT_GT(n_vertices_on_diagonals(kept, volume.info.grid),
+            n_vertices_on_diagonals(cubes, volume.info.grid));
+}
+
 TEST(weak_regions, are_each_isovalues_own) {
   const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 1));
   ExtractOptions options = full_resolution(0.3, 0.25);
@@ -144,25 +168,89 @@ TEST(weak_regions, are_missed_by_verification_where_they_stay) {
   }
 }
 
-/// A distance is to all there is; within an error, samples beyond it keep their sides.
-TEST(weak_regions, stay_where_surfaces_are_simplified) {
-  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 2));
-  for (const bool is_in_band : {false, true}) {
-    SCOPED_TRACE(is_in_band);
-    ExtractOptions options = full_resolution(0.1, 0.6);
+void expect_verified(const Dataset& dataset, const Surface& surface,
+                     const ExtractOptions& options) {
+  Progress progress;
+  const auto report = dataset.verify_surface(surface, options, progress);
+  ASSERT_TRUE(report) << report.error().message;
+  for (const auto& check : report->checks)
+    EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
+}
+
+ExtractOptions within_distance(double persistence, double distance) {
+  ExtractOptions options = full_resolution(0.1, persistence);
+  options.simplify = Simplify::edges;
+  options.simplify_distance = distance;
+  return options;
+}
+
+/// Near the surface of the field that is left, from which it is simplified; within two steps of the
+/// grid by way of cubes.
+TEST(weak_regions, are_left_out_of_what_is_simplified_within_a_distance) {
+  for (std::uint64_t seed = 1; seed <= oracles::trials(12U, 3U); ++seed)
+    for (const double distance : {0.4, 4.5}) {
+      SCOPED_TRACE(seed);
+      const double persistence = 0.3;
+      const Volume volume = smoothed_noise({{24, 37, 21}}, seed, static_cast<int>(seed % 2));
+      const Volume turned = without_weak_regions(volume, volume, 0.1, persistence);
+      ExtractOptions options = within_distance(persistence, distance);
+      const Kept kept = kept_of(built_in_memory(volume), options);
+      EXPECT_GT(kept.report.topology->weak_regions, 0U);
+      ASSERT_TRUE(kept.report.simplified);
+      EXPECT_EQ(kept.report.simplified->start_distance > 0, distance > 4);
+      EXPECT_GT(kept.report.simplified->collapses, 100U);
+      expect_verified(built_in_memory(volume), kept.surface, options);
+      options.keep_topology.reset();
+      expect_verified(built_in_memory(turned), kept.surface, options);
+    }
+}
+
+TEST(weak_regions, are_left_out_of_simplified_cubes) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 1));
+  ExtractOptions options = within_distance(0.3, 0.8);
+  options.style = SurfaceStyle::cubes;
+  options.style_distance = 0.2;
+  const Kept kept = kept_of(dataset, options);
+  EXPECT_GT(kept.report.topology->weak_regions, 0U);
+  expect_verified(dataset, kept.surface, options);
+  const Surface expected = kept_of(dataset, full_resolution(0.1, 0.3)).surface;
+  EXPECT_EQ(pieces_of(kept.surface), pieces_of(expected));
+}
+
+/// What is farther than the error keeps its side, so of regions within a larger persistence only
+/// those go that are within the error, too.
+TEST(weak_regions, are_left_out_of_what_is_simplified_within_an_error) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 1));
+  for (const double persistence : {0.1, 0.6}) {
+    SCOPED_TRACE(persistence);
+    const double error = 0.2;
+    ExtractOptions options = full_resolution(0.1, std::min(persistence, error));
+    options.max_error = error / 2;
+    const Kept before = kept_of(dataset, options);
+    options.leaves_out_weak = false;
+    const Kept all = kept_of(dataset, options);
+    options = full_resolution(0.1, persistence);
+    options.max_error = error;
     options.simplify = Simplify::edges;
-    if (is_in_band)
-      options.max_error = 0.1;
-    else
-      options.simplify_distance = 1.5;
+    const Kept kept = kept_of(dataset, options);
+    EXPECT_EQ(pieces_of(kept.surface), pieces_of(before.surface));
+    EXPECT_GT(pieces_of(all.surface).size(), pieces_of(before.surface).size());
+    EXPECT_EQ(kept.report.topology->persistence, std::min(persistence, error));
+    EXPECT_EQ(kept.report.topology->weak_regions, before.report.topology->weak_regions);
+    expect_verified(dataset, kept.surface, options);
+  }
+}
+
+/// A distance beside an error is to all there is.
+TEST(weak_regions, stay_where_surfaces_are_simplified_within_both) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 2));
+  ExtractOptions options = within_distance(0.6, 1.5);
+  options.max_error = 0.1;
+  for (const SurfaceStyle style : {SurfaceStyle::tetra, SurfaceStyle::cubes}) {
+    options.style = style;
     const Kept kept = kept_of(dataset, options);
     EXPECT_FALSE(kept.report.topology->leaves_out_weak);
-    Progress progress;
-    const auto report = dataset.verify_surface(kept.surface, options, progress);
-    ASSERT_TRUE(report) << report.error().message;
-    EXPECT_TRUE(report->passed());
-    for (const auto& check : report->checks)
-      EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
+    expect_verified(dataset, kept.surface, options);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "lode/api/file_check.h"
 #include "lode/api/salvage_report.h"
 #include "lode/api/simplification.h"
+#include "lode/api/topology_extraction.h"
 #include "lode/api/verification.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/models/diamond/build.h"
@@ -197,7 +198,8 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   const bool is_held_to_pieces =
       options.keep_topology && (*options.keep_topology == 0 || options.simplify != Simplify::off);
   const bool needs_full = options.max_distance || is_held_to_pieces || has_band(options, tolerance);
-  again.keep_topology.reset();
+  // What does not persist is left out of all that a simplified surface is held against.
+  if (options.simplify == Simplify::off || !leaves_out_weak(again)) again.keep_topology.reset();
   again.max_distance.reset();
   again.max_error = 0;
   if (needs_full)
@@ -208,7 +210,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   if (has_cubes) {
     again.style = SurfaceStyle::tetra;
     again.style_distance.reset();
-    again.keep_topology = options.keep_topology;  // what does not persist is left out of both
+    again.keep_topology = options.keep_topology;  // left out of both
     if (auto done = extract(again, level_set, progress); !done) return done.error();
   }
   LODE_TRY(const auto* const held, impl_->model(progress));

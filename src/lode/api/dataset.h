@@ -76,7 +76,8 @@ struct ExtractOptions {
   /// as there: it is that surface but for where it lies. P > 0 (field units): those at least that
   /// there are from P below the isovalue to P above it. Pieces round regions of either side that
   /// have no sample farther than P from it are then left out, be they beyond the max_error, until
-  /// there are none: but not within a max_distance, nor simplified. Of volumes, unclipped, with all
+  /// there are none: but not within a max_distance. Simplified within a max_error P is that at
+  /// most, and within a simplify_distance, too, none are left out. Of volumes, unclipped, with all
   /// pieces kept; of files larger than the memory limit a quarter of it may be taken beside, for
   /// nodes.
   std::optional<double> keep_topology{};
@@ -99,7 +100,8 @@ struct ExtractOptions {
   ///   before is extracted within half of it. Without a simplify_distance and keep_topology closed
   ///   components that hold nothing farther go. Of one isovalue, without a clip box.
   /// - Within simplify_distance (world units, > 0): no point of the surface, or of full resolution,
-  ///   is farther from the other (of cubes: from the surface before). Within both the surface
+  ///   is farther from the other (of cubes, and with a persistence that leaves pieces out: from the
+  ///   surface before). Within both the surface
   ///   before is extracted within half of each. From two steps of the grid on, or from one where
   ///   enough cells are near, at full resolution of one isovalue, unclipped and with all pieces, a
   ///   fifth goes to beginning with cubes where they are that near.
@@ -118,10 +120,6 @@ struct ExtractOptions {
   std::uint64_t memory_limit = 0;
 };
 
-/// Whether pieces that do not persist are left out: not where a distance is to be kept, nor where
-/// samples beyond an error keep their sides.
-[[nodiscard]] bool leaves_out_weak(const ExtractOptions& options);
-
 /// Seconds per phase of an extraction.
 struct ExtractSeconds {
   double total = 0;
@@ -137,7 +135,7 @@ struct ExtractSeconds {
 
 /// How the topology was kept; of several isovalues sums.
 struct KeptTopology {
-  double persistence = 0;          ///< Asked for.
+  double persistence = 0;          ///< Asked for; simplified within an error that at most.
   bool is_searched = true;         ///< Not where all is refined, at a max_error of 0 or of cubes.
   bool leaves_out_weak = false;    ///< See ExtractOptions::keep_topology.
   std::uint64_t weak_regions = 0;  ///< That were left out so.

@@ -79,7 +79,7 @@ Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& ch
                             Surface& surface, ExtractReport& report, Progress& progress) {
   surface.clear();
   SurfaceCollector collector(surface);
-  ChunkNodes nodes(chunks, options, memory_limit_of(options));
+  ChunkNodes nodes(chunks, start.options, memory_limit_of(options));
   return std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
         LODE_CHECK(extract_passes<D>(
@@ -110,7 +110,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
     start.options.max_distance = options.max_distance;
     start.distance = 0;
   }
-  ChunkNodes nodes(chunks, options, memory_limit_of(options));
+  ChunkNodes nodes(chunks, start.options, memory_limit_of(options));
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
         if (options.simplify != Simplify::off)

@@ -119,9 +119,13 @@ bool drops_components(const ExtractOptions& options) {
 
 ExtractOptions before_simplification(const ExtractOptions& options, double tolerance) {
   ExtractOptions before = options;
-  if (has_band(options, tolerance)) before.max_error = kExtractionShare * tolerance;
-  // What is farther than the error keeps its side, and what the distance is to keep is not lost.
-  if (options.simplify != Simplify::off) before.leaves_out_weak = false;
+  if (has_band(options, tolerance)) {
+    before.max_error = kExtractionShare * tolerance;
+    // What is farther than the error keeps its side. Of the nodes nothing depends on more of it.
+    if (options.keep_topology) before.keep_topology = std::min(*options.keep_topology, tolerance);
+    // The distance is from all of full resolution.
+    if (options.simplify_distance) before.leaves_out_weak = false;
+  }
   // Else it may have lost what the distance is to keep.
   if (const double distance = extraction_distance(options, tolerance); distance > 0)
     before.max_distance = std::min(distance, options.max_distance.value_or(distance));

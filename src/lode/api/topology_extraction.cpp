@@ -19,8 +19,7 @@ Result<void> check_keep_topology(const ExtractOptions& options) {
 }
 
 bool leaves_out_weak(const ExtractOptions& options) {
-  return options.keep_topology.value_or(0) > 0 && options.leaves_out_weak &&
-         !options.max_distance && options.simplify == Simplify::off;
+  return options.keep_topology.value_or(0) > 0 && options.leaves_out_weak && !options.max_distance;
 }
 
 void begin_topology(const ExtractOptions& options, ExtractReport& report) {

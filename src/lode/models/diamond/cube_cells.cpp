@@ -49,11 +49,13 @@ void visit_rows(const SamplesOfBrick& samples, const Visit& visit) {
 /// Finds the cells of one brick after another.
 class CellSearch {
  public:
-  CellSearch(const Selection<3>& selection, const LatticeFrame& frame, const CubeLimit& limit)
+  CellSearch(const Selection<3>& selection, const LatticeFrame& frame, const CubeLimit& limit,
+             const NodeSet<3>* weak)
       : samples_(selection.model()),
         nodes_(selection),
         meter_(frame, selection.isovalue()),
-        limit_(limit) {}
+        limit_(limit),
+        weak_(weak) {}
 
   /// Calls put(cell at the row's begin, whole cells within the limit, others that are met).
   template <typename Put>
@@ -83,6 +85,7 @@ class CellSearch {
   }
   std::uint32_t within_limit(const Index<3>& first, std::uint32_t cells) {
     if (limit_.is_none()) return cells;
+    if (weak_ != nullptr && !std::isinf(limit_.distance)) cells &= ~weak_cells(first);
     for (std::uint32_t left = cells; left != 0; left &= left - 1) {
       Index3 cell = first;
       cell[0] += std::countr_zero(left);
@@ -90,11 +93,20 @@ class CellSearch {
     }
     return cells;
   }
+  /// Of a row those with a weak corner.
+  [[nodiscard]] std::uint32_t weak_cells(const Index<3>& first) const {
+    std::uint64_t samples = 0;
+    for (std::int32_t dz = 0; dz < 2; ++dz)
+      for (std::int32_t dy = 0; dy < 2; ++dy)
+        samples |= weak_->row(first + Index<3>{{0, dy, dz}}, kBrickSamples<3>);
+    return static_cast<std::uint32_t>(samples | samples >> 1);
+  }
 
   SamplesOfBrick samples_;
   BrickNodes nodes_;
   CubeMeter meter_;
   CubeLimit limit_;
+  const NodeSet<3>* weak_;
 };
 
 /// run(worker, brick) in parallel; a worker is made by make() when it is first needed.
@@ -130,13 +142,14 @@ bool CubeCells::are_all(bool has_holes, const CubeLimit& limit) {
 
 Result<CubeCells> CubeCells::find(const Selection<3>& selection,
                                   std::span<const CutBrick<3>> bricks, const LatticeFrame& frame,
-                                  const CubeLimit& limit, Threads threads, Progress& progress) {
+                                  const CubeLimit& limit, const NodeSet<3>* weak, Threads threads,
+                                  Progress& progress) {
   CubeCells result(selection.model().shape);
   result.cubes_.resize(result.n_words_ * as_size(result.n_cells_[1]) * as_size(result.n_cells_[2]));
   result.are_all_ = are_all(selection.model().has_holes(), limit);
   std::vector<std::uint32_t> others(result.cubes_.size());
   for_each_brick<CellSearch>(
-      bricks, threads, [&] { return CellSearch(selection, frame, limit); },
+      bricks, threads, [&] { return CellSearch(selection, frame, limit, weak); },
       [&](CellSearch& search, const CutBrick<3>& brick) {
         if (progress.is_cancelled()) return;
         search.run(brick, [&](const Index<3>& first, std::uint32_t cubes, std::uint32_t rest) {

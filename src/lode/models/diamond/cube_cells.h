@@ -8,6 +8,7 @@
 #include "lode/core/result.h"
 #include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/cube_meter.h"
+#include "lode/models/diamond/node_set.h"
 
 namespace lode::diamond {
 
@@ -22,11 +23,13 @@ class CubeCells {
   /// All cells, which measure() does not know of.
   [[nodiscard]] static CubeCells all(const Shape<3>& shape);
   /// Of bricks of the selection's lattice; what lies round them counts as none, but where all cells
-  /// are cubes.
+  /// are cubes. Within a distance none are that have a corner of `weak` (may be null): pieces that
+  /// leave_out() takes may be what the others in them are near.
   [[nodiscard]] static Result<CubeCells> find(const Selection<3>& selection,
                                               std::span<const CutBrick<3>> bricks,
                                               const LatticeFrame& frame, const CubeLimit& limit,
-                                              Threads threads, Progress& progress);
+                                              const NodeSet<3>* weak, Threads threads,
+                                              Progress& progress);
 
   /// Whether all cells are cubes that the surface meets, so that none has to be looked at for the
   /// sake of its neighbours.

@@ -86,7 +86,7 @@ class Extraction {
       for (const BrickWork<D>& work : work_)
         bricks_.push_back(cut_brick<D>(cut_, model_.brick_dims, work));
       LODE_TRY(cubes_, CubeCells::find(selection_, bricks_, frame_, query_.style_limit(),
-                                       query_.threads, progress));
+                                       query_.weak_of(query_.isovalue), query_.threads, progress));
     }
     return {};
   }

@@ -164,18 +164,22 @@ class FileExtraction {
       for (std::size_t i = 0; i < selections.size(); ++i) {
         cubes.emplace_back();
         if (sink_of_(i) == nullptr) continue;
-        LODE_TRY(cubes.back(), cubes_of(selections[i], bricks, end - begin, progress));
+        std::optional<NodeSet<3>> weak;
+        if (const auto* const all = query_.weak_of(isovalues_[i]); all != nullptr)
+          weak = all->part(part_.model().shape, part_.origin());
+        LODE_TRY(cubes.back(),
+                 cubes_of(selections[i], bricks, end - begin, weak ? &*weak : nullptr, progress));
       }
     }
     return cubes;
   }
   /// Those in the first bricks are measured, where that is asked for.
   Result<CubeCells> cubes_of(const Selection<3>& selection, std::span<const CutBrick<3>> bricks,
-                             std::size_t n_own, Progress& progress) {
+                             std::size_t n_own, const NodeSet<3>* weak, Progress& progress) {
     const CubeLimit limit = query_.style_limit();
     if (!query_.with_deviation && !needs_round()) return CubeCells::all(part_.model().shape);
     LODE_TRY(CubeCells cubes,
-             CubeCells::find(selection, bricks, frame_, limit, query_.threads, progress));
+             CubeCells::find(selection, bricks, frame_, limit, weak, query_.threads, progress));
     cube_bytes_ = std::max(cube_bytes_, 2 * cubes.n_bytes());
     if (!query_.with_deviation) return cubes;
     const Stopwatch watch;
