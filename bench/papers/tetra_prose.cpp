@@ -139,9 +139,9 @@ std::uint64_t bare_bytes(const store::Reader& reader) {
 std::size_t memory_bytes(const PackedHierarchy& hierarchy) {
   const tetra_mt::HierarchyHead& head = hierarchy.head();
   constexpr std::size_t kBaseVertex = 3 * 8 + 8;  // position and value
-  constexpr std::size_t kBaseCell = 4 * 4 + 4 + 4;
+  constexpr std::size_t kBaseCell = 4 * 4 + 4;    // corners and what replaces it
   return hierarchy.n_page_bytes() + kBaseVertex * head.base_positions.size() +
-         kBaseCell * head.base.size() + 4 * head.roots.size();
+         kBaseCell * head.base.size() + 4 * head.base_regions.size() + 4 * head.roots.size();
 }
 
 struct FileSizes {
