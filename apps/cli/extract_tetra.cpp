@@ -390,9 +390,10 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
 /// What the output can hold of what is wanted.
 Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
   if (job.query.is_mesh) return check_mesh_path(job.output);
-  if (!job.reading.with.empty() && !check_extension(job.output, ".vtp"))
+  if (!job.reading.with.empty() && !check_extension(job.output, ".vtp") &&
+      !check_extension(job.output, ".ply"))
     return fail(
-        "--with: expected an output that ends in .vtp, which holds further fields, got '{}'",
+        "--with: expected an output that ends in .vtp or .ply, which hold further fields, got '{}'",
         job.output);
   LODE_CHECK(check_surface_extension(job.output));
   if (!wanted.sections.isovalues.empty() && !can_hold_lines(job.output))

@@ -383,6 +383,15 @@ TEST_F(cli_tetra_fields, are_not_drawn_by_a_bad_file_of_knots_which_alone_is_tol
   EXPECT_EQ(run.err.find("viridis-smoke"), std::string::npos) << run.err;
 }
 
+TEST_F(cli_tetra_fields, colour_isosurfaces_in_ply_files_too) {
+  const std::string out = scratch_ / "coloured.ply";
+  done({"extract", model_, out, "--field", "noise", "--isovalue", "0.1", "--with", "square",
+        "--max-error", "0"});
+  std::ifstream file(out, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(bytes.find("property double square\n"), std::string::npos);
+}
+
 TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   const std::string all = scratch_ / "all.lode";
   refused({"verify", model_, "--against", mesh_, "--time", "7"}, "--time: expected none");
@@ -395,8 +404,8 @@ TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   refused({"attach-field", model_, all, "--field", "noise"}, "got 2 files");
   refused({"attach-field", model_, later_, scratch_ / "all.vtu", "--field", "noise"}, ".lode");
   refused({"extract", model_, out_, "--mesh", "--with", "heat"}, "expected one of the fields");
-  refused({"extract", model_, scratch_ / "out.ply", "--boundary", "--with", "square"},
-          "--with: expected an output that ends in .vtp");
+  refused({"extract", model_, scratch_ / "out.stl", "--boundary", "--with", "square"},
+          "--with: expected an output that ends in .vtp or .ply");
   refused({"extract", mesh_, out_, "--mesh", "--with", "square"}, "--field");
   refused({"extract", model_, out_, "--mesh", "--field", "square", "--time", "3"}, "has no steps");
   refused(

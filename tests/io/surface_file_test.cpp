@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "tests/io/surface_fixtures.h"
@@ -42,6 +46,38 @@ TEST_P(surface_formats, give_back_what_was_written) {
   } else {
     expect_same_surface(read, as_held(torus));
   }
+}
+
+/// As properties of one word, none of which is taken for what else a vertex has.
+TEST(surface_attributes, are_properties_of_ply_vertices) {
+  Surface torus = make_torus(5);
+  const std::size_t n = torus.positions.size();
+  for (const char* name : {"heat", "x", "two words"}) {
+    Attribute attribute{name, false, {}};
+    for (std::size_t i = 0; i < n; ++i)
+      attribute.values.push_back(static_cast<double>(i + attribute.name.size()) / 3);
+    torus.attributes.push_back(std::move(attribute));
+  }
+  const std::string path = temporary_path("attributes") + ".ply";
+  Progress progress;
+  ASSERT_TRUE(write_surface(path, torus, {}, progress));
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  std::filesystem::remove(path);
+  const std::string wanted =
+      "property double heat\nproperty double field_x\nproperty double two_words\n";
+  EXPECT_NE(bytes.find(wanted), std::string::npos);
+  const std::size_t begin = bytes.find("end_header\n") + 11;
+  const std::size_t record = (bytes.size() - begin - torus.triangles.size() * 13) / n;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      double value = 0;
+      std::memcpy(&value, &bytes[begin + (i + 1) * record - (3 - k) * sizeof(double)],
+                  sizeof(double));
+      EXPECT_EQ(value, torus.attributes[k].values[i]);
+    }
+  const Surface read = written_and_read(".ply", torus);
+  expect_same_surface(read, torus);
 }
 
 TEST_P(surface_formats, need_no_attributes) {

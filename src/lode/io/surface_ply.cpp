@@ -1,6 +1,9 @@
 #include "lode/io/surface_ply.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <string_view>
 
 #include "lode/io/surface_stream_parts.h"
 
@@ -18,6 +21,16 @@ std::size_t face_bytes(const SurfaceLayout& layout) {
 
 std::size_t line_bytes(const SurfaceLayout& layout) {
   return 2 * sizeof(std::uint32_t) + fact_bytes(layout);
+}
+
+/// One word, and none that says something else of a vertex.
+std::string property_name(std::string name) {
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c <= ' ' || c == 0x7F; }, '_');
+  constexpr std::array<std::string_view, 11> kOthers{
+      "x", "y", "z", "nx", "ny", "nz", "isovalue", "value", "origin_x", "origin_y", "origin_z"};
+  const bool is_other = name.empty() || std::ranges::find(kOthers, name) != kOthers.end();
+  return is_other ? "field_" + name : name;
 }
 
 std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& options) {
@@ -40,6 +53,8 @@ std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& o
   if (layout.has_values) add("property double value\n");
   if (layout.has_origins)
     for (const char* name : {"x", "y", "z"}) add("property {} origin_{}\n", coordinate, name);
+  for (const std::string& name : layout.attributes)
+    add("property double {}\n", property_name(name));
   if (layout.n_lines == 0)
     add("element face {}\nproperty list uchar {} vertex_indices\n", layout.n_triangles, index);
   else
@@ -58,7 +73,8 @@ std::size_t place_bytes(const SurfaceLayout& layout) {
 std::size_t vertex_bytes(const SurfaceLayout& layout) {
   const std::size_t place = place_bytes(layout);
   return place + (layout.has_origins ? place : 0) + (layout.has_normals ? sizeof(Vec3f) : 0) +
-         (layout.has_isovalues ? sizeof(float) : 0) + (layout.has_values ? sizeof(double) : 0);
+         (layout.has_isovalues ? sizeof(float) : 0) + (layout.has_values ? sizeof(double) : 0) +
+         layout.attributes.size() * sizeof(double);
 }
 
 /// Of all but the header.
@@ -87,6 +103,7 @@ Result<void> write_vertex_records(Output& file, const Surface& surface, std::siz
     if (layout.has_isovalues) put(out, surface.isovalues[i]);
     if (layout.has_values) put(out, surface.values[i]);
     if (layout.has_origins) put_place(out, surface.origins[i]);
+    for (const Attribute& attribute : surface.attributes) put(out, attribute.values[i]);
   };
   return write_records(file, n, vertex_bytes(layout), fill);
 }
