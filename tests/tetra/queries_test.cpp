@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -156,6 +157,33 @@ TEST_F(tetra_queries, a_deadline_of_a_file_does_not_wait_for_pages_and_knows_the
   EXPECT_EQ(late_mesh.errors, base_mesh.errors);
   EXPECT_EQ(n_late, n_base);
   EXPECT_LT(n_base, n_fine);
+}
+
+/// Errors of cells are in pages that nothing else has asked for: there is time to read them.
+TEST_F(tetra_queries, a_deadline_of_a_file_that_leaves_time_changes_nothing) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("lode_time_left_" + std::to_string(::getpid()) + ".lode");
+  Progress progress;
+  ASSERT_TRUE(TetraDataset::build_file(mesh_, path, {.threads = {2}}, progress));
+  const auto extract_new = [&](TetraMeshOptions options, std::optional<double> deadline_s) {
+    options.deadline_s = deadline_s;
+    const auto opened = TetraDataset::open(path);
+    EXPECT_TRUE(opened);
+    return opened->extract_mesh(options, cut_, progress).value();
+  };
+  const double base_error = dataset_.describe().fields.front().base_error;
+  for (const double share : {0.8, 0.5, 0.2, 0.05}) {
+    TetraMeshOptions options;
+    options.query.max_error = share * base_error;
+    const MeshReport expected = extract_new(options, {});
+    const SimplexMesh mesh = std::move(cut_);
+    const MeshReport report = extract_new(options, 1e6);
+    EXPECT_EQ(report.achieved_error, expected.achieved_error);
+    EXPECT_EQ(report.max_error, expected.max_error);
+    EXPECT_EQ(cut_.errors, mesh.errors);
+    EXPECT_LE(report.achieved_error, *options.query.max_error);
+  }
+  std::filesystem::remove(path);
 }
 
 TEST_F(tetra_queries, refuses_pixels_and_deadlines_that_are_none) {

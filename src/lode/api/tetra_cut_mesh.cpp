@@ -208,7 +208,8 @@ float not_below(double value) {
 }  // namespace
 
 std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
-                                     const TetraCut& cut, CellErrors errors, SimplexMesh& mesh) {
+                                     const TetraCut& cut, const MayRead& may_read,
+                                     SimplexMesh& mesh) {
   mesh = {};
   std::vector<std::uint32_t> vertex_ids = sorted_vertices(hierarchy, cut);
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
@@ -222,7 +223,7 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   const auto error_of = [&](std::uint32_t slot, std::size_t field) {
     const std::uint32_t maker = cut.maker(slot);
     if (maker == kNone) return 0.0F;
-    if (errors == CellErrors::at_hand && !hierarchy.has_facts(maker, field))
+    if (!hierarchy.has_facts(maker, field) && !may_read())
       return not_below(heads[field].base_error);
     return hierarchy.facts(maker, field).error;
   };

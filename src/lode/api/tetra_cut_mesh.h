@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "lode/api/tetra_extraction.h"
@@ -11,16 +12,16 @@
 
 namespace lode {
 
-/// Whether errors of cells are looked up in pages that would have to be read for it, or are those
-/// of the base, which hold everywhere, where they would.
-enum class CellErrors : std::uint8_t { own, at_hand };
+/// Whether there is time to read a page for the error of a cell; else that of the base, which holds
+/// everywhere, stands for it.
+using MayRead = std::function<bool()>;
 
 /// Cells of a cut, with the values and errors of fields, their vertices numbered in the order of
 /// the hierarchy's: whose numbers it returns. Cuts of the same cells give the same mesh, bit for
 /// bit, whatever was applied and undone before.
 std::vector<std::uint32_t> fill_mesh(const tetra_mt::PackedHierarchy& hierarchy,
                                      const TetraFieldUse& fields, const tetra_mt::TetraCut& cut,
-                                     CellErrors errors, SimplexMesh& mesh);
+                                     const MayRead& may_read, SimplexMesh& mesh);
 
 /// The same of midpoints, whose cut is that of the measured field: vertices are in the order of
 /// their labels, and most are none of the reference's. Fails where pages cannot be loaded.

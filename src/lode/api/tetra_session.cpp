@@ -33,7 +33,8 @@ using Midpoints = tetra_mt::midpoint::Forest;
 using VertexIds = std::vector<std::uint32_t>;
 
 /// What making a surface or mesh of a cut takes at most, so that a deadline is kept, with the
-/// errors of its cells that are at hand: others may be on any page that has not been read. Values
+/// errors of its cells that are at hand: others, which are read while there is time, may be on any
+/// page that has not been. Values
 /// of further fields are in as many pages as those of the measured one.
 double finishing_seconds(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
                          std::uint64_t n_cells) {
@@ -101,7 +102,8 @@ class TetraSession::State {
   [[nodiscard]] std::uint64_t n_updates() const { return n_before_ + n_now(); }
 
  private:
-  /// `finishing`: seconds that take so many cells; `fill`: puts cells in the mesh.
+  /// `finishing`: seconds that take so many cells; `fill`: puts cells in the mesh, asking whether
+  /// there is time to read pages.
   template <typename Cut, typename Options, typename Finishing, typename Fill>
   [[nodiscard]] Result<TetraCutMesh> refine(Refinement<Cut>& refinement, const Query& query,
                                             const Options& options, const Finishing& finishing,
@@ -160,11 +162,13 @@ Result<TetraCutMesh> TetraSession::State::refine(Refinement<Cut>& refinement, co
                                                  const Fill& fill, Progress& progress) {
   const Stopwatch watch;
   auto& engine = refinement.engine;
+  const auto has_time = [&] {
+    return !options.deadline_s ||
+           watch.seconds() + finishing(engine.n_cells()) < *options.deadline_s;
+  };
   // Facts of nodes may be in pages that take milliseconds each, so the clock is looked at for each.
   const auto must_stop = [&] {
-    return progress.is_cancelled() || refinement.cut.is_damaged() ||
-           (options.deadline_s &&
-            watch.seconds() + finishing(engine.n_cells()) >= *options.deadline_s);
+    return progress.is_cancelled() || refinement.cut.is_damaged() || !has_time();
   };
   const FocusChange change = refinement.take(query, options.regions);
   const bool has_candidates = engine.set_query_unless(
@@ -175,7 +179,7 @@ Result<TetraCutMesh> TetraSession::State::refine(Refinement<Cut>& refinement, co
   if (has_candidates) engine.run(must_stop);
   if (progress.is_cancelled()) return cancelled_error();
   TetraCutMesh made{.origin = impl_.surface_origin, .margin = impl_.surface_margin};
-  LODE_TRY(made.vertex_ids, fill(made.mesh));
+  LODE_TRY(made.vertex_ids, fill(made.mesh, has_time));
   report(refinement, has_candidates, options.fields.measured, made.report);
   if (!options.regions.empty() && impl_.info.regions.size() > 1)
     made.report.n_left_out = keep_regions(made.mesh, options.regions, made.vertex_ids);
@@ -197,7 +201,7 @@ Result<TetraCutMesh> TetraSession::State::make_mesh(const Query& wanted, const O
     const auto finishing = [&](std::uint64_t n) {
       return finishing_seconds(model, options.fields, n);
     };
-    const auto fill = [&](SimplexMesh& mesh) -> Result<VertexIds> {
+    const auto fill = [&](SimplexMesh& mesh, const MayRead& /*may_read*/) -> Result<VertexIds> {
       LODE_CHECK(refinement.cut.check());
       LODE_TRY(VertexIds ids, fill_mesh(refinement.cut, options.fields, mesh));
       LODE_CHECK(refinement.cut.check());
@@ -207,13 +211,12 @@ Result<TetraCutMesh> TetraSession::State::make_mesh(const Query& wanted, const O
   }
   const PackedHierarchy& model = *impl_.hierarchy;
   auto& refinement = refinement_of(half_edges_, model, field, world_errors);
-  const auto errors = options.deadline_s ? CellErrors::at_hand : CellErrors::own;
   const auto finishing = [&](std::uint64_t n) {
     return finishing_seconds(model, options.fields, n);
   };
-  const auto fill = [&](SimplexMesh& mesh) -> Result<VertexIds> {
+  const auto fill = [&](SimplexMesh& mesh, const MayRead& may_read) -> Result<VertexIds> {
     LODE_CHECK(refinement.cut.check());
-    VertexIds ids = fill_mesh(model, options.fields, refinement.cut, errors, mesh);
+    VertexIds ids = fill_mesh(model, options.fields, refinement.cut, may_read, mesh);
     LODE_CHECK(refinement.cut.check());
     return ids;
   };
