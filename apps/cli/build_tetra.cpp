@@ -300,8 +300,8 @@ Result<Outcome> tetra_info(const std::string& path, const ReadingArguments& read
   add_info(input.dataset.describe(), table, outcome.json);
   add_record(input.dataset.describe().record, table, outcome.json);
   add_kept_reading(input.dataset.describe().record, table, outcome.json);
-  if (const double moved = input.dataset.describe().boundary_deviation; moved > 0)
-    table.add({"boundary moved", format_number(moved) + " at most"});
+  table.add(
+      {"boundary moved", format_number(input.dataset.describe().boundary_deviation) + " at most"});
   outcome.json["file_bytes"] = input.dataset.reads().file_size;
   table.add({"file size", format_bytes(input.dataset.reads().file_size)});
   outcome.text = table.to_string();

@@ -63,6 +63,25 @@ TEST(tetrahedra, refuse_other_cells_by_type_and_number) {
   expect_no_tetrahedra(flat, {"got none among 1"});
 }
 
+TEST(tetrahedra, refuse_more_than_two_at_a_face_and_count_them) {
+  CellMesh mesh = pair_mesh();
+  mesh.points.push_back({{1, 1, 1}});
+  mesh.points.push_back({{2, 1, 1}});
+  const auto n = static_cast<std::uint32_t>(mesh.points.size());
+  add_cell(mesh, CellType::tetrahedron, {0, 1, 2, n - 2});
+  add_cell(mesh, CellType::tetrahedron, {1, 2, n - 2, n - 1});
+  add_cell(mesh, CellType::tetrahedron, {1, 2, n - 2, 3});
+  expect_no_tetrahedra(mesh, {"expected one or two cells at a face, got more at 2; first: 3 at "});
+}
+
+TEST(tetrahedra, refuse_cells_that_are_there_twice) {
+  CellMesh mesh = corner_mesh();
+  const std::vector<std::uint32_t> corners(mesh.corners.begin(), mesh.corners.begin() + 4);
+  add_cell(mesh, CellType::tetrahedron, {corners[2], corners[1], corners[0], corners[3]});
+  expect_no_tetrahedra(
+      mesh, {"expected each cell once, got 1 with the points of another; first: cells 0 and 1"});
+}
+
 TEST(tetrahedra, drop_cells_that_repeat_a_corner) {
   CellMesh mesh = pair_mesh();
   add_cell(mesh, CellType::tetrahedron, {0, 1, 1, 2});
@@ -137,7 +156,7 @@ TEST(tetrahedra, refuse_a_face_of_three_cells) {
   CellMesh mesh = pair_mesh();
   mesh.points.push_back({{1, 1, 1}});
   add_cell(mesh, CellType::tetrahedron, {0, 1, 2, 5});
-  expect_no_tetrahedra(mesh, {"got 3 at points 0, 1 and 2, among them cell 0"});
+  expect_no_tetrahedra(mesh, {"got more at 1; first: 3 at points 0, 1 and 2, among them cell 0"});
 }
 
 TEST(tetrahedra, of_open_polyhedra_are_refused) {

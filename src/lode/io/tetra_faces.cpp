@@ -1,8 +1,11 @@
 #include "lode/io/tetra_faces.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -118,6 +121,45 @@ class WoundSets {
   std::vector<std::uint8_t> is_orientable_;  ///< Of the smallest ones.
 };
 
+/// Faces with more than two cells, and cells that are there twice.
+class Crowded {
+ public:
+  explicit Crowded(const SplitCells& split) : split_(split) {}
+
+  void look_at(std::size_t point, std::span<const FaceEnd> ends) {
+    if (ends.size() > 2 && n_faces_++ == 0)
+      first_face_ = fmt::format("{} at points {}, {} and {}, among them cell {}", ends.size(),
+                                point, ends[0].middle, ends[0].largest, cell_of(ends[0]));
+    if (ends.size() == 2 && all_of(ends[0]) == all_of(ends[1]) && n_ends_twice_++ == 0)
+      first_twice_ = fmt::format("{} and {}", cell_of(ends[0]), cell_of(ends[1]));
+  }
+  [[nodiscard]] Result<void> check(const std::string& path) const {
+    if (n_faces_ > 0)
+      return fail("{}: expected one or two cells at a face, got more at {}; first: {}", path,
+                  n_faces_, first_face_);
+    if (n_ends_twice_ > 0)
+      return fail("{}: expected each cell once, got {} with the points of another; first: cells {}",
+                  path, n_ends_twice_ / 4, first_twice_);
+    return {};
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t cell_of(const FaceEnd& end) const {
+    return split_.cells[end.tetrahedron];
+  }
+  /// The same of two at a face if they have all corners in common.
+  [[nodiscard]] std::uint32_t all_of(const FaceEnd& end) const {
+    const auto& t = split_.tetrahedra[end.tetrahedron];
+    return t[0] ^ t[1] ^ t[2] ^ t[3];
+  }
+
+  const SplitCells& split_;
+  std::uint64_t n_faces_ = 0;
+  std::uint64_t n_ends_twice_ = 0;  ///< Four of each.
+  std::string first_face_;
+  std::string first_twice_;
+};
+
 void number_components(WoundSets& sets, TetraFaces& result) {
   result.windings.resize(result.components.size());
   for (std::uint32_t i = 0; i < result.components.size(); ++i) {
@@ -133,6 +175,7 @@ void number_components(WoundSets& sets, TetraFaces& result) {
 Result<TetraFaces> connect_faces(const std::string& path, const SplitCells& split,
                                  std::size_t n_points) {
   FaceGroups groups = group_faces(split.tetrahedra, n_points);
+  Crowded crowded(split);
   WoundSets sets(split.tetrahedra.size());
   TetraFaces result;
   for (std::size_t point = 0; point < n_points; ++point) {
@@ -146,21 +189,17 @@ Result<TetraFaces> connect_faces(const std::string& path, const SplitCells& spli
     for (std::size_t i = 0; i < faces.size();) {
       std::size_t end = i + 1;
       while (end < faces.size() && faces[end].is_at(faces[i])) ++end;
-      if (end - i > 2)
-        return fail(
-            "{}: expected one or two cells at a face, got {} at points {}, {} and {}, among "
-            "them cell {}",
-            path, end - i, point, faces[i].middle, faces[i].largest,
-            split.cells[faces[i].tetrahedron]);
+      crowded.look_at(point, faces.subspan(i, end - i));
       if (end - i == 2)
         sets.join(faces[i].tetrahedron, faces[i + 1].tetrahedron,
                   faces[i].is_odd == faces[i + 1].is_odd);
-      else
+      else if (end - i == 1)
         result.boundary.push_back(
             {static_cast<std::uint32_t>(point), faces[i].middle, faces[i].largest});
       i = end;
     }
   }
+  LODE_CHECK(crowded.check(path));
   result.components.resize(split.tetrahedra.size());
   number_components(sets, result);
   return result;

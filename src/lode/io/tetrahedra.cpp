@@ -64,7 +64,7 @@ Result<void> check_types(const CellMesh& mesh, const TetraOptions& options, Tetr
   if (options.quadratic == QuadraticCells::split && n != 0 && n != report.n_cells)
     return fail(
         "{}: expected quadratic tetrahedra alone, which split would not meet other cells' faces, "
-        "got {} other cells; take their corners only",
+        "got {} other cells: linearised to their corners (--linearise corners) they do",
         mesh.path, report.n_cells - n);
   return {};
 }
