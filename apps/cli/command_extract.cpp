@@ -291,6 +291,7 @@ void add_job(const ExtractReport& report, const ExtractOptions& options, const I
              Session& session, Totals& totals) {
   totals.add(report);
   warn_of_open(session, report);
+  warn_of_persistence(session, report, options);
   warn_of_unmet(session, report, options, input.info);
 }
 

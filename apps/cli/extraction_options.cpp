@@ -61,13 +61,14 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                  "or they of cubes, world units")
       ->type_name("D")
       ->group(group);
-  app.add_flag("--keep-topology{0}", arguments.keep_topology,
-               "Refine where the surface would tear, join, lose or gain a piece: components, "
-               "tunnels and voids are those of full resolution; with =P those at least that there "
-               "are from P below the isovalue to P above it, without pieces round regions that "
-               "nowhere are farther than P from it (but with --max-distance; with --simplify "
-               "that is of what is left, and P is --max-error at most, or leaves nothing out "
-               "where both are given)")
+  app.add_flag(
+         "--keep-topology{0}", arguments.keep_topology,
+         "Refine where the surface would tear, join, lose or gain a piece: components, "
+         "tunnels and voids are those of full resolution; with =P those at least that there "
+         "are from P below the isovalue to P above it, without pieces round regions that "
+         "nowhere are farther than P from it. Not with --max-distance, unless with --simplify "
+         "or --remove-slivers: then the distance is from what is left. Of these P is "
+         "--max-error at most, and with both, but of cubes, nothing is left out")
       ->group(group);
   app.add_option(
          "--clip", arguments.clip,
@@ -143,18 +144,21 @@ std::string describe_tolerance(const ExtractOptions& options, double max_error) 
 
 std::string describe_topology(const ExtractReport& report) {
   const KeptTopology& kept = *report.topology;
-  const std::string left_out = kept.leaves_out_weak
-                                   ? fmt::format("; regions left out that do not persist: {}",
-                                                 format_count(kept.weak_regions))
-                                   : "";
+  const std::string of_what =
+      kept.persistence > 0
+          ? fmt::format("what persists by {} of full resolution", format_number(kept.persistence))
+          : "of full resolution";
+  std::string left_out;
+  if (kept.leaves_out_weak)
+    left_out =
+        fmt::format("; regions left out that do not persist: {}", format_count(kept.weak_regions));
+  else if (kept.persistence > 0)
+    left_out = "; within the distance nothing is left out";
   if (!kept.is_searched)
-    return kept.leaves_out_weak ? "what persists of full resolution" + left_out
-                                : "of full resolution, which the surface is";
-  return fmt::format(
-      "{}: {} critical nodes, {} with what comes before them, found in {}{}",
-      kept.persistence > 0 ? "what persists of full resolution" : "of full resolution",
-      format_count(kept.critical_nodes), format_count(kept.nodes),
-      format_seconds(report.seconds.topology), left_out);
+    return kept.leaves_out_weak ? of_what + left_out : "of full resolution, which the surface is";
+  return fmt::format("{}: {} critical nodes, {} with what comes before them, found in {}{}",
+                     of_what, format_count(kept.critical_nodes), format_count(kept.nodes),
+                     format_seconds(report.seconds.topology), left_out);
 }
 
 std::string topology_comment(const ExtractReport& report) {
@@ -198,6 +202,15 @@ void warn_of_open(Session& session, const ExtractReport& report) {
     session.warn(fmt::format("the surface stays open at holes: along {} edges", report.open_edges));
 }
 
+void warn_of_persistence(Session& session, const ExtractReport& report,
+                         const ExtractOptions& options) {
+  if (!report.topology || !(report.topology->persistence < options.keep_topology)) return;
+  session.warn(fmt::format(
+      "--keep-topology: what is farther than --max-error from the isovalue keeps its side, so it "
+      "is {} in place of {}",
+      report.topology->persistence, *options.keep_topology));
+}
+
 void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractOptions& options,
                    const DatasetInfo& info) {
   const bool is_cropped = options.clip || options.min_component > 0;
@@ -212,7 +225,7 @@ void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractO
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    if (is_in_range && report.topology && report.topology->leaves_out_weak)
+    if (is_in_range && report.topology && report.topology->weak_regions > 0)
       why = "nothing of it persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";

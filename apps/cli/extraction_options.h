@@ -44,6 +44,9 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
 void warn_of_cubes(Session& session, const ExtractOptions& options);
 /// Warns where holes keep a surface open that was to be closed.
 void warn_of_open(Session& session, const ExtractReport& report);
+/// Warns where a surface is simplified within an error that is less than the persistence.
+void warn_of_persistence(Session& session, const ExtractReport& report,
+                         const ExtractOptions& options);
 /// Warns of each isovalue without a surface, naming the value range or the options that may have
 /// removed it.
 void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractOptions& options,

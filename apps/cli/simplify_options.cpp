@@ -14,7 +14,7 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
          "--simplify", arguments.simplifies,
          "Collapse edges of the surface within --max-error of the isovalue, the field's at full "
          "resolution, and within --max-distance of the surface at full resolution (with --style "
-         "cubes of the cubes): proven, "
+         "cubes of the cubes, with --keep-topology=P of what persists): proven, "
          "still a manifold, never through itself; within --max-error alone closed pieces that "
          "hold nothing farther go")
       ->group(group);
@@ -26,7 +26,8 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
          "--max-distance", arguments.max_distance,
          "How far any point of the surface may be from that of full resolution, and back, "
          "world units: proven; with --simplify or --remove-slivers and --style cubes, from the "
-         "cubes (of a step of the grid or more --simplify gives a fifth to beginning with cubes, "
+         "cubes, and with --keep-topology=P from what persists (of a step of the grid or more "
+         "--simplify gives a fifth to beginning with cubes, "
          "where these are near; beside --max-error half goes to the surface that it begins with)")
       ->type_name("D")
       ->group(group);

@@ -64,6 +64,19 @@ void expect_as_in_memory(const std::string& lode, const ExtractOptions& options)
     EXPECT_TRUE(check_topology(pieces.surface, {}).is_clean_manifold());
 }
 
+/// Cells with a corner in what is left out keep their tetrahedra, in each chunk.
+TEST(stored_cubes, without_what_does_not_persist_are_those_of_memory) {
+  const TestPath path("persistent_cubes.lode");
+  const std::string lode =
+      stored(path, noisy_cubes({{1100, 18, 14}}, ScalarType::uint8, test::Holes::none));
+  ExtractOptions options = cubes_within(0);
+  options.keep_topology = 12;
+  for (const double distance : {0.2, 1e6}) {
+    options.style_distance = distance;
+    expect_as_in_memory(lode, options);
+  }
+}
+
 /// Whose cells beside other chunks matter to these: chunks end at multiples of 256.
 TEST(stored_cubes, are_those_of_memory) {
   const TestPath path("cubes.lode");

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "lode/mappers/surface_match.h"
@@ -83,27 +86,66 @@ TEST(weak_regions, are_left_out_of_cubes) {
   }
 }
 
-std::size_t n_vertices_on_diagonals(const Surface& surface, const RegularGrid& grid) {
-  return static_cast<std::size_t>(std::ranges::count_if(surface.positions, [&](const Vec3f& p) {
-    int n_between = 0;
+using Face = std::array<int, 4>;  ///< Its axis, and its lowest corner.
+
+/// Faces of cells with a vertex inside, which is on their diagonal.
+std::set<Face> faces_with_a_vertex(const Surface& surface, const RegularGrid& grid) {
+  std::set<Face> faces;
+  for (const Vec3f& p : surface.positions) {
+    Face face{-1};
+    int n_whole = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double at = (static_cast<double>(p[i]) + surface.origin[i]) / grid.spacing[i];
-      n_between += std::abs(at - std::round(at)) > 1e-4 ? 1 : 0;
+      const bool is_whole = std::abs(at - std::round(at)) < 1e-5;
+      face[i + 1] = static_cast<int>(is_whole ? std::round(at) : std::floor(at));
+      if (is_whole) face[0] = static_cast<int>(i);
+      n_whole += is_whole ? 1 : 0;
     }
-    return n_between > 1;
-  }));
+    if (n_whole == 1) faces.insert(face);
+  }
+  return faces;
 }
 
 /// Else what is left of a cube could be near a piece of the tetrahedra that is left out.
 TEST(weak_regions, leave_no_cubes_beside_them_within_a_distance) {
   const Volume volume = smoothed_noise({{34, 30, 37}}, 3, 1);
+  const Volume turned = without_weak_regions(volume, volume, 0.1, 0.4);
   ExtractOptions options = full_resolution(0.1, 0.4);
   options.style = SurfaceStyle::cubes;
-  const Surface cubes = kept_of(built_in_memory(volume), options).surface;
   options.style_distance = 1e6;
   const Surface kept = kept_of(built_in_memory(volume), options).surface;
-  EXPECT_GT(n_vertices_on_diagonals(kept, volume.info.grid),
-            n_vertices_on_diagonals(cubes, volume.info.grid));
+  const auto found = faces_with_a_vertex(kept, volume.info.grid);
+  const Index3& dims = volume.info.grid.dims;
+  const auto is_inside = [&](const Volume& v, const Index3& p) {
+    return v.as<float>()[static_cast<std::size_t>(p[0] + dims[0] * (p[1] + dims[1] * p[2]))] >=
+           0.1F;
+  };
+  const auto is_weak = [&](const Index3& p) {
+    return is_inside(volume, p) != is_inside(turned, p);
+  };
+  std::size_t n_faces = 0;
+  for (std::int32_t i = 0; i < (dims[0] - 1) * (dims[1] - 1) * (dims[2] - 1); ++i) {
+    const Index3 cell{
+        {i % (dims[0] - 1), i / (dims[0] - 1) % (dims[1] - 1), i / (dims[0] - 1) / (dims[1] - 1)}};
+    bool has_weak = false;
+    for (std::int32_t k = 0; k < 8; ++k)
+      has_weak = has_weak || is_weak(cell + Index3{{k % 2, k / 2 % 2, k / 4}});
+    if (!has_weak) continue;
+    for (std::int32_t side = 0; side < 6; ++side) {
+      const auto axis = static_cast<std::size_t>(side / 2);
+      Index3 lowest = cell;
+      lowest[axis] += side % 2;
+      Index3 even = lowest;
+      Index3 odd = lowest;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (k != axis) (lowest[k] % 2 == 0 ? odd : even)[k] += 1;
+      if (is_weak(even) || is_weak(odd) || is_inside(volume, even) == is_inside(volume, odd))
+        continue;
+      EXPECT_TRUE(found.contains({static_cast<int>(axis), lowest[0], lowest[1], lowest[2]}));
+      ++n_faces;
+    }
+  }
+  EXPECT_GT(n_faces, 50U);
 }
 
 TEST(weak_regions, are_each_isovalues_own) {
@@ -241,16 +283,32 @@ TEST(weak_regions, are_left_out_of_what_is_simplified_within_an_error) {
   }
 }
 
-/// A distance beside an error is to all there is.
-TEST(weak_regions, stay_where_surfaces_are_simplified_within_both) {
+/// A distance beside an error is to all there is, but of cubes to these.
+TEST(weak_regions, stay_where_tetrahedra_are_simplified_within_both) {
   const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 2));
   ExtractOptions options = within_distance(0.6, 1.5);
   options.max_error = 0.1;
   for (const SurfaceStyle style : {SurfaceStyle::tetra, SurfaceStyle::cubes}) {
     options.style = style;
     const Kept kept = kept_of(dataset, options);
-    EXPECT_FALSE(kept.report.topology->leaves_out_weak);
+    EXPECT_EQ(kept.report.topology->leaves_out_weak, style == SurfaceStyle::cubes);
     expect_verified(dataset, kept.surface, options);
+  }
+}
+
+TEST(weak_regions, of_another_persistence_are_not_those_that_verification_leaves_out) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{34, 30, 37}}, 5, 1));
+  for (const double max_error : {0.0, 0.4}) {
+    ExtractOptions options = within_distance(0.2, 1.5);
+    options.max_error = max_error;
+    if (max_error > 0) options.simplify_distance.reset();
+    const Kept kept = kept_of(dataset, options);
+    Progress progress;
+    EXPECT_TRUE(dataset.verify_surface(kept.surface, options, progress)->passed());
+    for (const std::optional<double> other : {std::optional<double>(0.05), {0.35}, {0.0}, {}}) {
+      options.keep_topology = other;
+      EXPECT_FALSE(dataset.verify_surface(kept.surface, options, progress)->passed());
+    }
   }
 }
 

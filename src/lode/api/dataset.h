@@ -77,9 +77,9 @@ struct ExtractOptions {
   /// there are from P below the isovalue to P above it. Pieces round regions of either side that
   /// have no sample farther than P from it are then left out, be they beyond the max_error, until
   /// there are none: but not within a max_distance. Simplified within a max_error P is that at
-  /// most, and within a simplify_distance, too, none are left out. Of volumes, unclipped, with all
-  /// pieces kept; of files larger than the memory limit a quarter of it may be taken beside, for
-  /// nodes.
+  /// most; of tetrahedra within a simplify_distance, too, none are left out. Of volumes, unclipped,
+  /// with all pieces kept; of files larger than the memory limit a quarter of it may be taken
+  /// beside, for nodes.
   std::optional<double> keep_topology{};
   bool leaves_out_weak = true;  ///< Whether pieces are so left out.
   /// cubes, of volumes: full resolution; where the style error would be larger than the
@@ -101,10 +101,10 @@ struct ExtractOptions {
   ///   components that hold nothing farther go. Of one isovalue, without a clip box.
   /// - Within simplify_distance (world units, > 0): no point of the surface, or of full resolution,
   ///   is farther from the other (of cubes, and with a persistence that leaves pieces out: from the
-  ///   surface before). Within both the surface
-  ///   before is extracted within half of each. From two steps of the grid on, or from one where
-  ///   enough cells are near, at full resolution of one isovalue, unclipped and with all pieces, a
-  ///   fifth goes to beginning with cubes where they are that near.
+  ///   surface before). Within both the surface before is extracted within half of each. From two
+  ///   steps of the grid on, or from one where enough cells are near, at full resolution of one
+  ///   isovalue, unclipped and with all pieces, a fifth goes to beginning with cubes where they are
+  ///   that near.
   /// Of one isovalue, in a grid whose axes are the world's, it goes piece by piece where the model
   /// is larger than the memory limit; the surface before is then that of full resolution, or cubes.
   Simplify simplify = Simplify::off;

@@ -121,10 +121,10 @@ ExtractOptions before_simplification(const ExtractOptions& options, double toler
   ExtractOptions before = options;
   if (has_band(options, tolerance)) {
     before.max_error = kExtractionShare * tolerance;
-    // What is farther than the error keeps its side. Of the nodes nothing depends on more of it.
+    // What is farther than the error keeps its side.
     if (options.keep_topology) before.keep_topology = std::min(*options.keep_topology, tolerance);
     // The distance is from all of full resolution.
-    if (options.simplify_distance) before.leaves_out_weak = false;
+    if (extraction_distance(options, tolerance) > 0) before.leaves_out_weak = false;
   }
   // Else it may have lost what the distance is to keep.
   if (const double distance = extraction_distance(options, tolerance); distance > 0)

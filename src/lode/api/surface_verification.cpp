@@ -263,8 +263,8 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
   }
   std::ranges::move(first.checks, std::back_inserter(report.checks));
   if (expected.keep_topology.value_or(0) == 0) return {};
-  return add_persistent(diamond::ModelSamples<D>(model), model.has_holes(), surface, options,
-                        progress, report);
+  return add_persistent(diamond::ModelSamples<D>(model), model.has_holes(), surface,
+                        before_simplification(options, expected.tolerance), progress, report);
 }
 
 /// How far what comes of cubes and the level set are from each other: nothing is promised of it.

@@ -1,6 +1,7 @@
 #include "lode/models/diamond/file_extract.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -165,7 +166,8 @@ class FileExtraction {
         cubes.emplace_back();
         if (sink_of_(i) == nullptr) continue;
         std::optional<NodeSet<3>> weak;
-        if (const auto* const all = query_.weak_of(isovalues_[i]); all != nullptr)
+        if (const auto* const all = query_.weak_of(isovalues_[i]);
+            all != nullptr && !std::isinf(query_.style_distance))
           weak = all->part(part_.model().shape, part_.origin());
         LODE_TRY(cubes.back(),
                  cubes_of(selections[i], bricks, end - begin, weak ? &*weak : nullptr, progress));
