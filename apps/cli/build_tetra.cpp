@@ -110,6 +110,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   add_regions(info.regions, table, json);
   add_patches(info.patches, table, json);
   json["boundary_deviation"] = info.boundary_deviation;
+  json["lean"] = info.is_lean;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
   table.add({"placement", name_of(info.placement)});
@@ -117,6 +118,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
   table.add({"base", format_count(info.n_base_cells) + " cells"});
+  if (info.is_lean) table.add({"lean", "without gradients and the mesh's numbers of vertices"});
   table.add({"nodes", format_count(info.n_nodes)});
   const auto corner = [](const Vec3d& p) {
     return fmt::format("({}, {}, {})", format_number(p[0]), format_number(p[1]),
@@ -227,6 +229,8 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
     return fail(
         "--placement midpoint: expected no --everywhere with it, which follows half edges alone: "
         "errors of midpoints hold at the mesh's vertices");
+  if (options.placement == Placement::midpoint && job.is_lean)
+    return fail("--placement midpoint: expected no --lean with it: they have no more than that");
   if (options.placement == Placement::midpoint && job.keeps_extrema)
     return fail("--placement midpoint: expected no --keep-extrema with it, which moves vertices");
   if (job.is_everywhere && tolerance > 0)
@@ -245,6 +249,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   LODE_TRY(TetraBuildOptions options, to_build_options(job.reading, session.threads()));
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   options.has_world_errors = job.has_space_errors;
+  options.is_lean = job.is_lean;
   options.keeps_extrema = job.keeps_extrema;
   LODE_TRY(options.time, build_time(job, made.report));
   if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;

@@ -16,6 +16,7 @@ struct TetraBuildJob {
   std::string memory_limit;        ///< The same; empty: what the machine has.
   bool is_everywhere = false;      ///< Where errors hold.
   bool has_space_errors = false;   ///< Besides.
+  bool is_lean = false;            ///< Without what queries do without.
   bool keeps_extrema = false;      ///< Of the reference.
   std::string at;                  ///< The time, or "file"; empty: none.
   ReadingArguments reading;

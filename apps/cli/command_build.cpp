@@ -27,6 +27,7 @@ struct BuildArguments {
   std::string boundary_tolerance;
   bool is_everywhere = false;
   bool has_space_errors = false;
+  bool is_lean = false;
   bool keeps_extrema = false;
   std::string at;
   std::string levels;
@@ -34,9 +35,9 @@ struct BuildArguments {
   ReadingArguments reading;
 
   [[nodiscard]] TetraBuildJob tetra() const {
-    return {input,        output,        base_cells,       boundary_tolerance,
-            memory_limit, is_everywhere, has_space_errors, keeps_extrema,
-            at,           reading};
+    return {input,         output,           base_cells, boundary_tolerance, memory_limit,
+            is_everywhere, has_space_errors, is_lean,    keeps_extrema,      at,
+            reading};
   }
   [[nodiscard]] TerrainBuildJob of_terrain() const {
     return {input, output, levels, memory_limit, terrain, reading};
@@ -68,11 +69,11 @@ Result<void> check_build(const BuildArguments& arguments, const CLI::App& app) {
         arguments.input);
   if (is_cells_path(arguments.input)) return check_mesh_build(arguments);
   if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty() ||
-      arguments.is_everywhere || arguments.has_space_errors || arguments.keeps_extrema ||
-      !arguments.at.empty())
+      arguments.is_everywhere || arguments.has_space_errors || arguments.is_lean ||
+      arguments.keeps_extrema || !arguments.at.empty())
     return fail(
         "{}: expected a mesh of cells with --base-cells, --boundary-tolerance, --everywhere, "
-        "--keep-extrema, --space-errors and --at",
+        "--keep-extrema, --space-errors, --lean and --at",
         arguments.input);
   // What is no file, or empty, is left to the reader, which says so.
   if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
@@ -225,6 +226,10 @@ Command add_build_command(CLI::App& program) {
   app->add_flag("--space-errors", arguments->has_space_errors,
                 "Of a mesh: how far from its place a value may be is found, too, an estimate, for "
                 "extract's --max-space-error and --max-error-px; a byte a vertex and field");
+  app->add_flag("--lean", arguments->is_lean,
+                "Of a mesh, by half edges: leave out of the file what queries do without, some 4 "
+                "bytes a vertex: gradients, so normals are those of the cut, and the mesh's "
+                "numbers of its vertices, which attach-field takes");
   app->add_option("--at", arguments->at,
                   "Of a mesh: the time of its fields, in any unit, or 'file', as the file says it; "
                   "attach-field adds other steps (default: none)")

@@ -392,6 +392,40 @@ TEST_F(cli_tetra_fields, colour_isosurfaces_in_ply_files_too) {
   EXPECT_NE(bytes.find("property double square\n"), std::string::npos);
 }
 
+TEST_F(cli_tetra_fields, of_lean_files_give_the_same_but_for_normals) {
+  const std::string whole = scratch_ / "whole.lode";
+  const std::string lean = scratch_ / "lean.lode";
+  const auto built = [&](const std::string& path, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"build", mesh_, path, "--field", "noise"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return done(arguments).at("file_bytes").get<std::uint64_t>();
+  };
+  EXPECT_LT(built(lean, {"--lean"}), built(whole, {}));
+  EXPECT_TRUE(done({"info", lean}).at("lean").get<bool>());
+  EXPECT_FALSE(done({"info", whole}).at("lean").get<bool>());
+  const auto surface = [&](const std::string& path) {
+    const std::string out = scratch_ / "surface.ply";
+    done({"extract", path, out, "--isovalue", "0.1", "--max-error", "0.05"});
+    return read_surface(out).value();
+  };
+  const Surface ours = surface(lean);
+  const Surface theirs = surface(whole);
+  EXPECT_EQ(ours.positions, theirs.positions);
+  EXPECT_EQ(ours.triangles, theirs.triangles);
+  ASSERT_EQ(ours.normals.size(), theirs.normals.size());
+  EXPECT_FALSE(ours.normals.empty());
+  EXPECT_NE(ours.normals, theirs.normals);
+  double sum = 0;
+  for (std::size_t i = 0; i < ours.normals.size(); ++i)
+    sum += static_cast<double>(dot(ours.normals[i], theirs.normals[i]));
+  EXPECT_GT(sum / static_cast<double>(ours.normals.size()), 0.7);
+  done({"verify", lean, "--against", mesh_});
+  refused({"attach-field", lean, later_, scratch_ / "more.lode", "--field", "noise"},
+          "a lean one is without");
+  refused({"build", mesh_, lean, "--field", "noise", "--lean", "--placement", "midpoint"},
+          "no --lean");
+}
+
 TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   const std::string all = scratch_ / "all.lode";
   refused({"verify", model_, "--against", mesh_, "--time", "7"}, "--time: expected none");

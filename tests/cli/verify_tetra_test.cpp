@@ -74,6 +74,11 @@ TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
   const nlohmann::json info = run_lode({"info", lode_, "--json"}).json();
   EXPECT_EQ(said, fmt::format("vertices 729 cells 2560 nodes {}\n", info.at("nodes").get<int>()));
   EXPECT_EQ(read_in_python(lode_, other_), "noise: other values\n");
+  const std::string lean = lode_ + ".lean.lode";
+  ASSERT_EQ(run_lode({"build", mesh_, lean, "--field", "noise", "--lean"}).exit_code, 0);
+  EXPECT_EQ(run_oracle(LODE_TETRA_READER, "'" + lean + "'").find("lean vertices 729 cells 2560 "),
+            0U);
+  std::filesystem::remove(lean);
   // Regions, more pages, vertices of a base of more than a page, and an extent about zero.
   SimplexMesh mesh;
   TetraMesh noise = oracles::noise_mesh(12, oracles::Cut::in_six, 5);

@@ -895,6 +895,9 @@ class File:
         self.masks += p.masks
         self.trees.append((p.tree, p.order, p.discovered))
 
+    def is_lean(self):
+        return not any(kind in (GRADIENTS, ORIGINS) for kind, _, _ in self.blocks)
+
     def read_origins(self):
         pages = []
         for page, n in enumerate(self.n_page_vertices):
@@ -918,8 +921,9 @@ class File:
         for found, of_nodes in read_primed(self.n_pages, lambda *p: self.read_field_of(i, *p)):
             values.append(np.array(found))
             facts.append(np.array(of_nodes).reshape(-1, 3))
-        pages = read_primed(len(self.n_page_vertices), lambda *p: self.read_gradients_of(i, *p))
-        f["gradients"] = [code for page in pages for code in page]
+        if not self.lean:
+            pages = read_primed(len(self.n_page_vertices), lambda *p: self.read_gradients_of(i, *p))
+            f["gradients"] = [code for page in pages for code in page]
         if f["in_space"] is not None:
             f["world_codes"] = np.concatenate(
                 [self.read_world_codes(page, i) for page in range(self.n_pages)] or [np.zeros(0, int)])
@@ -1185,7 +1189,9 @@ def main():
     file = File(sys.argv[1])
     file.read_base()
     file.read_links()
-    file.read_origins()
+    file.lean = file.is_lean()
+    if not file.lean:
+        file.read_origins()
     for i in range(len(file.m["fields"])):
         file.read_field(i)
     file.check_front()
@@ -1200,7 +1206,7 @@ def main():
     expect(len(inner) == file.m["n_reference"], f"got {len(inner)} cells")
     if len(sys.argv) > 2:
         compare(file, cells, sys.argv[2])
-    print(f"vertices {len(file.positions)} cells {len(inner)} nodes {file.m['N']}")
+    print(f"{'lean ' if file.lean else ''}vertices {len(file.positions)} cells {len(inner)} nodes {file.m['N']}")
 
 
 if __name__ == "__main__":

@@ -214,7 +214,7 @@ TEST(welded_points, take_the_smallest_id_that_agrees) {
   add_cell(mesh, CellType::tetrahedron, {0, 3, 4, 5});
   add_cell(mesh, CellType::tetrahedron, {1, 4, 3, 5});
   add_cell(mesh, CellType::tetrahedron, {2, 3, 4, 5});
-  expect_no_tetrahedra(mesh, {"got 3 at points 3, 4 and 5"}, {.weld_distance = 1});
+  expect_no_tetrahedra(mesh, {"first: 3 at points 3, 4 and 5"}, {.weld_distance = 1});
   mesh.points[5] = {{0, 0, 9}};
   mesh.points.push_back({{0, 0, -9}});
   mesh.corners[7] = 6;

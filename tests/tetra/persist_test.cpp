@@ -393,6 +393,44 @@ TEST_F(tetra_file, of_which_a_primer_is_damaged_says_so_whatever_page_is_asked_f
   }
 }
 
+/// Everything but gradients and the mesh's numbers, byte for byte.
+TEST_F(tetra_file, may_be_without_what_queries_do_without) {
+  const std::string part = path_ + ".part.lode";
+  Progress progress;
+  ASSERT_TRUE(save(hierarchy_, mesh_.tetrahedra.size(), nullptr, part, {2}, progress));
+  const auto lean = open(part);
+  ASSERT_TRUE(lean) << lean.error().message;
+  EXPECT_FALSE(lean->gradients);
+  EXPECT_FALSE(lean->mesh_vertices);
+  const auto whole = open(path_);
+  EXPECT_TRUE(whole->gradients);
+  EXPECT_TRUE(whole->mesh_vertices);
+  const auto all = store::Reader::open(path_);
+  const auto some = store::Reader::open(part);
+  std::size_t n_kept = 0;
+  for (const store::BlockEntry& block : all->blocks()) {
+    const auto kind = static_cast<Kind>(block.key.kind);
+    const bool is_kept = kind != Kind::gradients && kind != Kind::mesh_vertices;
+    const auto same = std::ranges::find(some->blocks(), block.key, &store::BlockEntry::key);
+    ASSERT_EQ(same != some->blocks().end(), is_kept);
+    if (!is_kept) continue;
+    EXPECT_EQ(same->stored_size, block.stored_size);
+    ++n_kept;
+  }
+  EXPECT_EQ(n_kept, some->blocks().size());
+  TetraCut ours(lean->hierarchy);
+  TetraCut theirs(whole->hierarchy);
+  Engine<TetraCut> engine(ours);
+  Engine<TetraCut> other(theirs);
+  for (const double tolerance : {0.3, 0.0}) {
+    engine.set_query(box_demand(tolerance));
+    other.set_query(box_demand(tolerance));
+    engine.finish();
+    other.finish();
+    EXPECT_EQ(ours.cells(), theirs.cells());
+  }
+}
+
 TEST_F(tetra_file, that_was_cut_off_or_is_another_model_is_refused) {
   std::ifstream in(path_, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(in), {});

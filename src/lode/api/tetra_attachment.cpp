@@ -83,6 +83,11 @@ Result<TetraAttachReport> attach_to_half_edges(const std::string& model, const s
                                                const NextTetraStep& next, Threads threads,
                                                Progress& progress) {
   LODE_TRY(const auto opened, tetra_mt::open(model));
+  if (!opened.mesh_vertices)
+    return fail(
+        "{}: expected a file with the mesh's numbers of its vertices, which a lean one is without: "
+        "build it again",
+        model);
   LODE_TRY(const auto vertices, opened.mesh_vertices());
   LODE_TRY(auto appender,
            tetra_mt::FieldAppender::create(model, opened.hierarchy, output, progress));

@@ -150,6 +150,8 @@ Result<TetraFileReport> build_midpoint_file(const TetraMesh& mesh, const std::st
 Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const std::string& path,
                                                  const TetraBuildOptions& options,
                                                  Progress& progress) try {
+  if (options.placement == Placement::midpoint && options.is_lean)
+    return fail("a lean file: expected half edges, as midpoints have no more than that");
   if (options.placement == Placement::midpoint)
     return build_midpoint_file(mesh, path, options, progress);
   const Stopwatch watch;
@@ -157,10 +159,13 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
   TetraFileReport report;
   report.build_seconds = watch.seconds();
   report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
+  report.info.is_lean = options.is_lean;
   const Stopwatch write_watch;
-  const auto gradients = [&](std::size_t field) {
-    return gradient_codes(mesh, field, hierarchy.mesh_vertices, options.threads);
-  };
+  tetra_mt::GradientsOf gradients;
+  if (!options.is_lean)
+    gradients = [&](std::size_t field) {
+      return gradient_codes(mesh, field, hierarchy.mesh_vertices, options.threads);
+    };
   LODE_TRY(report.file_bytes, tetra_mt::save(hierarchy, mesh.tetrahedra.size(), gradients, path,
                                              options.threads, progress));
   report.write_seconds = write_watch.seconds();

@@ -103,8 +103,10 @@ Result<TetraDataset> TetraDataset::open(const std::string& path) try {
     return TetraDataset(std::make_unique<Impl>(std::move(opened.forest), std::move(opened.reads)));
   }
   LODE_TRY(auto opened, tetra_mt::open(path));
-  return TetraDataset(std::make_unique<Impl>(std::move(opened.hierarchy),
-                                             std::move(opened.gradients), std::move(opened.reads)));
+  auto impl = std::make_unique<Impl>(std::move(opened.hierarchy), std::move(opened.gradients),
+                                     std::move(opened.reads));
+  impl->info.is_lean = !impl->has_gradients();
+  return TetraDataset(std::move(impl));
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the file");
 }

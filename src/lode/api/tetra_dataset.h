@@ -44,6 +44,10 @@ struct TetraBuildOptions {
   /// paper's space error, an estimate (CollapseFacts). Queries with Query::max_world_error or
   /// max_error_px need them; a byte a vertex and field.
   bool has_world_errors = false;
+  /// Of half edges in files, whether these leave out what queries do without: gradients, of which
+  /// normals come, which then are those of the cut, and the mesh's numbers of vertices, which
+  /// attach_fields() takes.
+  bool is_lean = false;
   /// Where errors hold. Everywhere takes a few times as long, and a boundary_tolerance of 0.
   ErrorPlace error_place = ErrorPlace::at_samples;
   /// Midpoints have errors at samples.
@@ -100,6 +104,7 @@ struct TetraInfo {
   Box3d bounds{};                        ///< Of all vertices.
   double boundary_deviation = 0;         ///< Of cuts' boundaries; the mesh's unit.
   TetraBuildRecord record{};             ///< What its build was told, and what came of it.
+  bool is_lean = false;                  ///< A file's: TetraBuildOptions::is_lean.
   std::vector<MeshRegion> regions{};     ///< By number, ascending.
   std::vector<BoundaryPatch> patches{};  ///< Parts of the boundary, likewise.
 };

@@ -37,6 +37,8 @@ class TetraDataset::Impl {
   [[nodiscard]] std::unique_ptr<const TetraCutSource> source() const {
     return hierarchy ? source_of(*hierarchy) : source_of(*midpoints);
   }
+  /// Of a lean file there are none, nor of midpoints.
+  [[nodiscard]] bool has_gradients() const { return source_ != nullptr; }
   /// Of vertices of the hierarchy, ascending.
   [[nodiscard]] Result<std::vector<Vec3f>> gradients(std::span<const std::uint32_t> vertices,
                                                      std::size_t field) const;

@@ -248,7 +248,7 @@ Result<TetraSurfaceReport> TetraSession::extract_surface(const TetraSurfaceOptio
   const Stopwatch watch;
   if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
   LODE_TRY(TetraCutMesh cut, state_->make_mesh(options.query, options, progress));
-  if (options.normals == Normals::on && state_->impl().midpoints) {
+  if (options.normals == Normals::on && !state_->impl().has_gradients()) {
     cut.gradients = vertex_gradients(cut.mesh, options.threads);
   } else if (options.normals == Normals::on) {
     LODE_TRY(cut.gradients, state_->impl().gradients(cut.vertex_ids, options.fields.measured));

@@ -114,13 +114,18 @@ Result<OpenedHierarchy> open(const std::string& path) {
       [source](std::size_t field, std::uint32_t page, const FieldBase& base) {
         return source->world_errors(field, page, base);
       }};
-  return OpenedHierarchy{
-      PackedHierarchy(std::move(head), std::move(load)),
-      [source](std::size_t field, std::uint32_t page) { return source->gradients(field, page); },
-      [source] { return source->mesh_vertices(); },
-      [reader] {
-        return FileReads{reader->reads().n_bytes, reader->file_size()};
-      }};
+  OpenedHierarchy result{.hierarchy = PackedHierarchy(std::move(head), std::move(load)),
+                         .gradients = {},
+                         .mesh_vertices = {},
+                         .reads = [reader] {
+                           return FileReads{reader->reads().n_bytes, reader->file_size()};
+                         }};
+  if (source->is_lean()) return result;
+  result.gradients = [source](std::size_t field, std::uint32_t page) {
+    return source->gradients(field, page);
+  };
+  result.mesh_vertices = [source] { return source->mesh_vertices(); };
+  return result;
 }
 
 }  // namespace lode::tetra_mt

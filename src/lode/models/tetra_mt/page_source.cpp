@@ -175,6 +175,11 @@ Result<std::vector<std::uint32_t>> PageSource::read_gradients(std::size_t field,
   return decode_gradients(bytes, vertices_of(shape_, page).n, name_of(key), models);
 }
 
+bool PageSource::is_lean() const {
+  return !reader_->find(key_of(Kind::mesh_vertices, 0)) &&
+         !reader_->find(key_of(Kind::gradients, 0));
+}
+
 Result<std::vector<std::uint32_t>> PageSource::mesh_vertices() const {
   std::vector<std::uint32_t> numbers(std::size_t{shape_.n_base_vertices} + shape_.n_nodes);
   for (std::uint32_t page = 0; page < shape_.n_vertex_pages(); ++page) {

@@ -35,6 +35,8 @@ class PageSource {
   [[nodiscard]] Result<std::vector<std::uint32_t>> gradients(std::size_t field,
                                                              std::uint32_t page) const;
   [[nodiscard]] Result<std::vector<std::uint32_t>> mesh_vertices() const;
+  /// Whether it has neither of these.
+  [[nodiscard]] bool is_lean() const;
 
  private:
   using LinkPrimers = Primers<LinkModels, PageContent>;

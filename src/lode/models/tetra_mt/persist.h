@@ -23,7 +23,8 @@ struct FileReads {
 /// A hierarchy whose pages come from a file.
 struct OpenedHierarchy {
   PackedHierarchy hierarchy;
-  /// Of a field, at the vertices of a page of nodes, or, numbered after those, of the base's.
+  /// Of a field, at the vertices of a page of nodes, or, numbered after those, of the base's. Null
+  /// of a lean file, as are the mesh's numbers.
   std::function<Result<std::vector<std::uint32_t>>(std::size_t field, std::uint32_t page)>
       gradients;
   /// By vertex: its number in the mesh that was read.
@@ -34,7 +35,8 @@ struct OpenedHierarchy {
 /// gradient_code() of a field's gradients, by vertex.
 using GradientsOf = std::function<std::vector<std::uint32_t>(std::size_t field)>;
 
-/// Writes a hierarchy as docs/format.md says, whole or not at all. Returns the size of the file.
+/// Writes a hierarchy as docs/format.md says, whole or not at all. `gradients`: null for a lean
+/// file, without these and the mesh's numbers of its vertices. Returns the size of the file.
 [[nodiscard]] Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
                                          const GradientsOf& gradients, const std::string& path,
                                          Threads threads, Progress& progress);

@@ -91,6 +91,11 @@ Result<void> append_links(const Hierarchy& hierarchy, const PageShape& shape, Th
         return {};
       },
       writer));
+  return {};
+}
+
+Result<void> append_mesh_vertices(const Hierarchy& hierarchy, const PageShape& shape,
+                                  store::Writer& writer) {
   for (std::uint32_t page = 0; page < shape.n_vertex_pages(); ++page) {
     const VertexRange range = vertices_of(shape, page);
     StreamWriter out;
@@ -145,6 +150,7 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
           writer.append(key_of(Kind::world_errors, page, number), as_block(std::move(out).take())));
     }
   }
+  if (gradients.empty()) return {};  // of a lean file
   return append_primed<GradientModels>(
       shape.n_vertex_pages(), Kind::gradients, number,
       [&](std::uint32_t page, GradientModels& models) {
@@ -163,11 +169,14 @@ Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
   LODE_CHECK(append_base(head, writer));
   LODE_CHECK(append_links(hierarchy, head.shape, threads, progress, writer));
+  if (gradients) LODE_CHECK(append_mesh_vertices(hierarchy, head.shape, writer));
   const auto tree_of = [&](std::uint32_t page) {
     return PageTree::of(content_of(hierarchy, page), page);
   };
   for (std::size_t f = 0; f < hierarchy.fields.size(); ++f)
-    LODE_CHECK(append_field(field_of(hierarchy, f), gradients(f), tree_of, head, threads, writer));
+    LODE_CHECK(append_field(field_of(hierarchy, f),
+                            gradients ? gradients(f) : std::vector<std::uint32_t>(), tree_of, head,
+                            threads, writer));
   writer.set_metadata(encode_head(head));
   return writer.finish(progress);
 }
