@@ -204,7 +204,9 @@ void warn_of_open(Session& session, const ExtractReport& report) {
 
 void warn_of_persistence(Session& session, const ExtractReport& report,
                          const ExtractOptions& options) {
-  if (!report.topology || !(report.topology->persistence < options.keep_topology)) return;
+  if (!report.topology || !report.topology->leaves_out_weak ||
+      !(report.topology->persistence < options.keep_topology))
+    return;
   session.warn(fmt::format(
       "--keep-topology: what is farther than --max-error from the isovalue keeps its side, so it "
       "is {} in place of {}",
@@ -225,8 +227,11 @@ void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractO
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    if (is_in_range && report.topology && report.topology->weak_regions > 0)
-      why = "nothing of it persists as --keep-topology asks";
+    if (is_in_range && report.topology)
+      why = report.topology->weak_regions == 0 ? why
+            : options.isovalues.size() == 1
+                ? "nothing of it persists as --keep-topology asks"
+                : "it meets nothing that persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";
     else if (is_in_range && is_coarse)

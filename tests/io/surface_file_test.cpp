@@ -52,7 +52,8 @@ TEST_P(surface_formats, give_back_what_was_written) {
 TEST(surface_attributes, are_properties_of_ply_vertices) {
   Surface torus = make_torus(5);
   const std::size_t n = torus.positions.size();
-  for (const char* name : {"heat", "x", "two words"}) {
+  const std::vector<const char*> names{"heat", "x", "two words", "two_words", "u", "field_x"};
+  for (const char* name : names) {
     Attribute attribute{name, false, {}};
     for (std::size_t i = 0; i < n; ++i)
       attribute.values.push_back(static_cast<double>(i + attribute.name.size()) / 3);
@@ -65,14 +66,15 @@ TEST(surface_attributes, are_properties_of_ply_vertices) {
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
   std::filesystem::remove(path);
   const std::string wanted =
-      "property double heat\nproperty double field_x\nproperty double two_words\n";
+      "property double heat\nproperty double field_x\nproperty double two_words\n"
+      "property double two_words_2\nproperty double field_u\nproperty double field_x_2\n";
   EXPECT_NE(bytes.find(wanted), std::string::npos);
   const std::size_t begin = bytes.find("end_header\n") + 11;
   const std::size_t record = (bytes.size() - begin - torus.triangles.size() * 13) / n;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
       double value = 0;
-      std::memcpy(&value, &bytes[begin + (i + 1) * record - (3 - k) * sizeof(double)],
+      std::memcpy(&value, &bytes[begin + (i + 1) * record - (names.size() - k) * sizeof(double)],
                   sizeof(double));
       EXPECT_EQ(value, torus.attributes[k].values[i]);
     }

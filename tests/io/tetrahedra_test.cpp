@@ -78,8 +78,14 @@ TEST(tetrahedra, refuse_cells_that_are_there_twice) {
   CellMesh mesh = corner_mesh();
   const std::vector<std::uint32_t> corners(mesh.corners.begin(), mesh.corners.begin() + 4);
   add_cell(mesh, CellType::tetrahedron, {corners[2], corners[1], corners[0], corners[3]});
-  expect_no_tetrahedra(
-      mesh, {"expected each cell once, got 1 with the points of another; first: cells 0 and 1"});
+  expect_no_tetrahedra(mesh, {"expected each cell once, got 1 tetrahedra with the points of "
+                              "another; first: of cells 0 and 1"});
+  // Beside another cell, and both twice.
+  CellMesh pair = pair_mesh();
+  add_cell(pair, CellType::tetrahedron, {0, 1, 2, 3});
+  expect_no_tetrahedra(pair, {"got 1 tetrahedra with", "of cells 0 and 2"});
+  add_cell(pair, CellType::tetrahedron, {0, 2, 1, 4});
+  expect_no_tetrahedra(pair, {"got 2 tetrahedra with"});
 }
 
 TEST(tetrahedra, drop_cells_that_repeat_a_corner) {
@@ -214,7 +220,9 @@ TEST(welded_points, take_the_smallest_id_that_agrees) {
   add_cell(mesh, CellType::tetrahedron, {0, 3, 4, 5});
   add_cell(mesh, CellType::tetrahedron, {1, 4, 3, 5});
   add_cell(mesh, CellType::tetrahedron, {2, 3, 4, 5});
-  expect_no_tetrahedra(mesh, {"first: 3 at points 3, 4 and 5"}, {.weld_distance = 1});
+  expect_no_tetrahedra(mesh,
+                       {"got 1 tetrahedra with the points of another; first: of cells 0 and 1"},
+                       {.weld_distance = 1});
   mesh.points[5] = {{0, 0, 9}};
   mesh.points.push_back({{0, 0, -9}});
   mesh.corners[7] = 6;

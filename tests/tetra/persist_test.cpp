@@ -415,6 +415,7 @@ TEST_F(tetra_file, may_be_without_what_queries_do_without) {
     ASSERT_EQ(same != some->blocks().end(), is_kept);
     if (!is_kept) continue;
     EXPECT_EQ(same->stored_size, block.stored_size);
+    EXPECT_EQ(same->checksum, block.checksum);
     ++n_kept;
   }
   EXPECT_EQ(n_kept, some->blocks().size());
@@ -429,6 +430,32 @@ TEST_F(tetra_file, may_be_without_what_queries_do_without) {
     other.finish();
     EXPECT_EQ(ours.cells(), theirs.cells());
   }
+}
+
+/// All of what a lean file is without must be there, or none.
+TEST_F(tetra_file, that_is_without_some_of_its_blocks_is_refused) {
+  const auto reader = store::Reader::open(path_);
+  ASSERT_TRUE(reader);
+  const std::string part = path_ + ".part.lode";
+  for (const Kind kind : {Kind::links, Kind::field, Kind::gradients, Kind::mesh_vertices})
+    for (const std::uint32_t page : {0U, 1U}) {
+      const store::BlockKey missing = key_of(kind, page);
+      auto writer = store::Writer::create(part, reader->model(),
+                                          {reader->metadata().begin(), reader->metadata().end()});
+      ASSERT_TRUE(writer);
+      for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
+        if (reader->blocks()[i].key == missing) continue;
+        const auto bytes = reader->read_block(i);
+        ASSERT_TRUE(bytes);
+        ASSERT_TRUE(writer->append(reader->blocks()[i].key,
+                                   store::encode_block_as(store::Codec::none, {.raw = *bytes})));
+      }
+      ASSERT_TRUE(writer->finish());
+      const auto opened = open(part);
+      ASSERT_FALSE(opened);
+      EXPECT_NE(opened.error().message.find(store::describe(missing)), std::string::npos)
+          << opened.error().message;
+    }
 }
 
 TEST_F(tetra_file, that_was_cut_off_or_is_another_model_is_refused) {

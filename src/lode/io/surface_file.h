@@ -30,7 +30,7 @@ struct SurfaceWriteOptions {
 /// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,
 /// .obj, .vtp or .glb (any case). Normals are written everywhere but to STL, isovalues where
 /// can_hold_isovalues() says so, values, origins and errors where can_hold_values() does,
-/// and further attributes in .vtp. A surface
+/// and further attributes in .vtp and .ply. A surface
 /// with an origin, or places in the options, is written with double coordinates (PLY, OBJ, VTP) or
 /// with the origin as the node's translation (GLB), and, unless it is empty, refused by STL, which
 /// has neither; STL also refuses lines. At least one of triangles and lines must be empty. Reports

@@ -23,14 +23,58 @@ std::size_t line_bytes(const SurfaceLayout& layout) {
   return 2 * sizeof(std::uint32_t) + fact_bytes(layout);
 }
 
-/// One word, and none that says something else of a vertex.
+/// One word, and none that says something else of a vertex, here or in other programs.
 std::string property_name(std::string name) {
   std::ranges::replace_if(
       name, [](unsigned char c) { return c <= ' ' || c == 0x7F; }, '_');
-  constexpr std::array<std::string_view, 11> kOthers{
-      "x", "y", "z", "nx", "ny", "nz", "isovalue", "value", "origin_x", "origin_y", "origin_z"};
+  constexpr std::array<std::string_view, 33> kOthers{"x",
+                                                     "y",
+                                                     "z",
+                                                     "nx",
+                                                     "ny",
+                                                     "nz",
+                                                     "u",
+                                                     "v",
+                                                     "s",
+                                                     "t",
+                                                     "texture_u",
+                                                     "texture_v",
+                                                     "red",
+                                                     "green",
+                                                     "blue",
+                                                     "alpha",
+                                                     "r",
+                                                     "g",
+                                                     "b",
+                                                     "a",
+                                                     "diffuse_red",
+                                                     "diffuse_green",
+                                                     "diffuse_blue",
+                                                     "diffuse_alpha",
+                                                     "quality",
+                                                     "confidence",
+                                                     "flags",
+                                                     "isovalue",
+                                                     "value",
+                                                     "origin_x",
+                                                     "origin_y",
+                                                     "origin_z",
+                                                     "radius"};
   const bool is_other = name.empty() || std::ranges::find(kOthers, name) != kOthers.end();
   return is_other ? "field_" + name : name;
+}
+
+/// Each once.
+std::vector<std::string> property_names(const std::vector<std::string>& names) {
+  std::vector<std::string> found;
+  for (const std::string& name : names) {
+    const std::string first = property_name(name);
+    std::string next = first;
+    for (int i = 2; std::ranges::find(found, next) != found.end(); ++i)
+      next = fmt::format("{}_{}", first, i);
+    found.push_back(next);
+  }
+  return found;
 }
 
 std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& options) {
@@ -53,8 +97,8 @@ std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& o
   if (layout.has_values) add("property double value\n");
   if (layout.has_origins)
     for (const char* name : {"x", "y", "z"}) add("property {} origin_{}\n", coordinate, name);
-  for (const std::string& name : layout.attributes)
-    add("property double {}\n", property_name(name));
+  for (const std::string& name : property_names(layout.attributes))
+    add("property double {}\n", name);
   if (layout.n_lines == 0)
     add("element face {}\nproperty list uchar {} vertex_indices\n", layout.n_triangles, index);
   else

@@ -130,16 +130,23 @@ class Crowded {
     if (ends.size() > 2 && n_faces_++ == 0)
       first_face_ = fmt::format("{} at points {}, {} and {}, among them cell {}", ends.size(),
                                 point, ends[0].middle, ends[0].largest, cell_of(ends[0]));
-    if (ends.size() == 2 && all_of(ends[0]) == all_of(ends[1]) && n_ends_twice_++ == 0)
-      first_twice_ = fmt::format("{} and {}", cell_of(ends[0]), cell_of(ends[1]));
+    if (ends.size() == 2 && all_of(ends[0]) != all_of(ends[1])) return;
+    if (ends.size() < 2) return;
+    std::vector<FaceEnd> sorted(ends.begin(), ends.end());
+    std::ranges::stable_sort(sorted, {}, [&](const FaceEnd& end) { return all_of(end); });
+    for (std::size_t i = 1; i < sorted.size(); ++i)
+      if (all_of(sorted[i - 1]) == all_of(sorted[i]) && n_ends_twice_++ == 0)
+        first_twice_ = fmt::format("{} and {}", cell_of(sorted[i - 1]), cell_of(sorted[i]));
   }
   [[nodiscard]] Result<void> check(const std::string& path) const {
+    if (n_ends_twice_ > 0)
+      return fail(
+          "{}: expected each cell once, got {} tetrahedra with the points of another; first: of "
+          "cells {}",
+          path, n_ends_twice_ / 4, first_twice_);
     if (n_faces_ > 0)
       return fail("{}: expected one or two cells at a face, got more at {}; first: {}", path,
                   n_faces_, first_face_);
-    if (n_ends_twice_ > 0)
-      return fail("{}: expected each cell once, got {} with the points of another; first: cells {}",
-                  path, n_ends_twice_ / 4, first_twice_);
     return {};
   }
 

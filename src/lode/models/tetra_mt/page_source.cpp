@@ -44,6 +44,12 @@ Result<void> PageSource::check() const {
         LODE_CHECK(expect(key_of(Kind::world_errors, page, f)));
     }
   }
+  if (is_lean()) return {};
+  for (std::uint32_t page = 0; page < shape_.n_vertex_pages(); ++page) {
+    LODE_CHECK(expect(key_of(Kind::mesh_vertices, page)));
+    for (std::uint32_t f = 0; f < fields_.size(); ++f)
+      LODE_CHECK(expect(key_of(Kind::gradients, page, f)));
+  }
   return {};
 }
 
@@ -176,8 +182,10 @@ Result<std::vector<std::uint32_t>> PageSource::read_gradients(std::size_t field,
 }
 
 bool PageSource::is_lean() const {
-  return !reader_->find(key_of(Kind::mesh_vertices, 0)) &&
-         !reader_->find(key_of(Kind::gradients, 0));
+  return std::ranges::none_of(reader_->blocks(), [](const store::BlockEntry& block) {
+    const auto kind = static_cast<Kind>(block.key.kind);
+    return kind == Kind::mesh_vertices || kind == Kind::gradients;
+  });
 }
 
 Result<std::vector<std::uint32_t>> PageSource::mesh_vertices() const {
