@@ -227,14 +227,12 @@ void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractO
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
     const char* why = "it meets nothing";
-    if (is_in_range && report.topology)
-      why = report.topology->weak_regions == 0 ? why
-            : options.isovalues.size() == 1
-                ? "nothing of it persists as --keep-topology asks"
-                : "it meets nothing that persists as --keep-topology asks";
+    const bool is_kept = report.topology.has_value();
+    if (is_kept && is_in_range && report.topology->persistence > 0)
+      why = "it meets nothing that persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";
-    else if (is_in_range && is_coarse)
+    else if (is_in_range && is_coarse && !is_kept)
       why =
           "nothing of it is left within the tolerance: a smaller one, or --keep-topology, keeps it";
     session.warn(fmt::format("no surface at isovalue {}: {} (values run from {} to {})", isovalue,

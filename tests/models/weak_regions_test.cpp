@@ -42,6 +42,15 @@ ExtractOptions full_resolution(double isovalue, double persistence) {
   return {.isovalues = {isovalue}, .max_error = 0, .keep_topology = persistence};
 }
 
+void expect_verified(const Dataset& dataset, const Surface& surface,
+                     const ExtractOptions& options) {
+  Progress progress;
+  const auto report = dataset.verify_surface(surface, options, progress);
+  ASSERT_TRUE(report) << report.error().message;
+  for (const auto& check : report->checks)
+    EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
+}
+
 /// Edges that are crossed do not end in what is turned over, so no vertex moves.
 TEST(weak_regions, at_full_resolution_the_rest_stays_where_it_is) {
   std::uint64_t n_weak_corners = 0;
@@ -64,11 +73,7 @@ TEST(weak_regions, at_full_resolution_the_rest_stays_where_it_is) {
       EXPECT_GT(kept.report.topology->weak_regions, 0U);
       if (seed > 2) continue;
       options.keep_topology = persistence;
-      Progress progress;
-      const auto verified = built_in_memory(volume).verify_surface(kept.surface, options, progress);
-      ASSERT_TRUE(verified) << verified.error().message;
-      for (const auto& check : verified->checks)
-        EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
+      expect_verified(built_in_memory(volume), kept.surface, options);
     }
   EXPECT_GT(n_weak_corners, 0U);
 }
@@ -208,15 +213,6 @@ TEST(weak_regions, are_missed_by_verification_where_they_stay) {
     EXPECT_TRUE(dataset.verify_surface(kept.surface, options, progress)->passed());
     EXPECT_FALSE(dataset.verify_surface(all.surface, options, progress)->passed());
   }
-}
-
-void expect_verified(const Dataset& dataset, const Surface& surface,
-                     const ExtractOptions& options) {
-  Progress progress;
-  const auto report = dataset.verify_surface(surface, options, progress);
-  ASSERT_TRUE(report) << report.error().message;
-  for (const auto& check : report->checks)
-    EXPECT_TRUE(check.passed || check.skipped) << check.name << ": " << check.detail;
 }
 
 ExtractOptions within_distance(double persistence, double distance) {

@@ -1,7 +1,6 @@
 #include "lode/io/surface_ply.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string_view>
 
@@ -27,41 +26,12 @@ std::size_t line_bytes(const SurfaceLayout& layout) {
 std::string property_name(std::string name) {
   std::ranges::replace_if(
       name, [](unsigned char c) { return c <= ' ' || c == 0x7F; }, '_');
-  constexpr std::array<std::string_view, 33> kOthers{"x",
-                                                     "y",
-                                                     "z",
-                                                     "nx",
-                                                     "ny",
-                                                     "nz",
-                                                     "u",
-                                                     "v",
-                                                     "s",
-                                                     "t",
-                                                     "texture_u",
-                                                     "texture_v",
-                                                     "red",
-                                                     "green",
-                                                     "blue",
-                                                     "alpha",
-                                                     "r",
-                                                     "g",
-                                                     "b",
-                                                     "a",
-                                                     "diffuse_red",
-                                                     "diffuse_green",
-                                                     "diffuse_blue",
-                                                     "diffuse_alpha",
-                                                     "quality",
-                                                     "confidence",
-                                                     "flags",
-                                                     "isovalue",
-                                                     "value",
-                                                     "origin_x",
-                                                     "origin_y",
-                                                     "origin_z",
-                                                     "radius"};
-  const bool is_other = name.empty() || std::ranges::find(kOthers, name) != kOthers.end();
-  return is_other ? "field_" + name : name;
+  constexpr std::string_view kOthers =
+      " x y z nx ny nz u v s t texture_u texture_v r g b a red green blue alpha diffuse_red "
+      "diffuse_green diffuse_blue diffuse_alpha quality confidence flags radius isovalue value "
+      "origin_x origin_y origin_z ";
+  const bool is_other = kOthers.find(" " + name + " ") != std::string_view::npos;
+  return name.empty() || is_other ? "field_" + name : name;
 }
 
 /// Each once.

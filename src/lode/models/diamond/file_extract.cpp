@@ -182,7 +182,8 @@ class FileExtraction {
     if (!query_.with_deviation && !needs_round()) return CubeCells::all(part_.model().shape);
     LODE_TRY(CubeCells cubes,
              CubeCells::find(selection, bricks, frame_, limit, weak, query_.threads, progress));
-    cube_bytes_ = std::max(cube_bytes_, 2 * cubes.n_bytes());
+    cube_bytes_ =
+        std::max(cube_bytes_, 2 * cubes.n_bytes() + (weak != nullptr ? weak->n_bytes() : 0));
     if (!query_.with_deviation) return cubes;
     const Stopwatch watch;
     deviation_.join(cubes.measure(selection, bricks.first(n_own), frame_, query_.threads));
