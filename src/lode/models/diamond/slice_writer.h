@@ -9,6 +9,7 @@
 #include "lode/models/diamond/cell_rows.h"
 #include "lode/models/diamond/cell_triangles.h"
 #include "lode/models/diamond/edge_vertices.h"
+#include "lode/models/diamond/gradient_rows.h"
 #include "lode/models/diamond/normals.h"
 #include "lode/models/diamond/row_edges.h"
 
@@ -75,7 +76,8 @@ class SliceWriterOf final : public SliceWriter {
  public:
   explicit SliceWriterOf(const FullSurface& all)
       : all_(all),
-        sampler_(all.model),
+        frame_(NormalSampler<3, T>(all.model).frame()),
+        gradients_(all.model),
         own_(as_size(all.signs.dims[1]) + 1),
         above_(own_.size()),
         groups_(all.signs.n_words() / WordGroup::kWords + 1) {
@@ -87,8 +89,9 @@ class SliceWriterOf final : public SliceWriter {
       edges_[as_size(parity)] = &cell_edges(parity, all.frame.is_mirrored, all.style);
     if (!all.with_normals) return;
     kept_.resize(n);
-    for (auto* gradients : {&first_gradient_, &second_gradient_})
-      for (auto& along : *gradients) along.resize(n);
+    between_.resize(4 * n);
+    first_place_.resize(n);
+    second_place_.resize(n);
   }
 
   void write(std::int32_t z) override {
@@ -144,6 +147,7 @@ class SliceWriterOf final : public SliceWriter {
                      reinterpret_cast<const T*>(samples) + Model<3>::brick_offset(local),
                      as_size(model.brick_dims[0])},
         EdgeLists<T>{first_.data() + run_.n, second_.data() + run_.n, place_.data() + run_.n});
+    if (all_.with_normals) gradients_.find(y, z_, groups);
   }
 
   /// Those on the edges that were added since the last ones.
@@ -164,48 +168,14 @@ class SliceWriterOf final : public SliceWriter {
 
   /// Of the run's vertices, from the surface's `first` on.
   void write_normals(std::size_t first) {
-    for (std::size_t i = 0; i < run_.n; ++i) {
-      const auto [p, q] = unpacked_edge(place_[i], y_, z_);
-      put_gradient(p, i, first_gradient_);
-      put_gradient(q, i, second_gradient_);
-    }
-    const auto pointers = [](const Gradients& g) {
-      return std::array<const double*, 3>{g[0].data(), g[1].data(), g[2].data()};
-    };
+    find_places(gradients_.places(),
+                {place_.data(), run_.n, y_, z_, first_place_.data(), second_place_.data()});
     std::vector<Vec3f>& normals = all_.surface.normals;
     const auto n_before = positions_end_ - all_.surface.positions.data();
-    place_normals({pointers(first_gradient_), pointers(second_gradient_), kept_.data(), run_.n},
-                  sampler_.frame(), normals.data() + first, normals.data() + n_before);
-  }
-
-  using Gradients = std::array<std::vector<double>, 3>;
-
-  /// The sampler's, straight from the bricks but at the data's border.
-  void put_gradient(const Index<3>& p, std::size_t i, Gradients& out) const {
-    const Model<3>& model = all_.model;
-    constexpr auto kRow = static_cast<std::ptrdiff_t>(kBrickSamples<3>);
-    constexpr std::array<std::ptrdiff_t, 3> kSteps{1, kRow, kRow * kRow};
-    std::array<std::ptrdiff_t, 3> below{};  // from the sample to the one before it along each axis
-    std::ptrdiff_t brick = 0;
-    std::ptrdiff_t offset = 0;
-    std::ptrdiff_t bricks = static_cast<std::ptrdiff_t>(kBrickSize<3>);  // samples to the next one
-    bool is_inner = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::int32_t local = p[a] % kBrickEdge<3>;
-      is_inner = is_inner && p[a] > 0 && p[a] + 1 < model.shape.dims[a];
-      brick += p[a] / kBrickEdge<3> * bricks;
-      offset += local * kSteps[a];
-      below[a] = local > 0 ? -kSteps[a] : (kBrickEdge<3> - 1) * kSteps[a] - bricks;
-      bricks *= model.brick_dims[a];
-    }
-    if (!is_inner) {
-      const Vec3d gradient = sampler_.gradient(p, 1);
-      for (std::size_t a = 0; a < 3; ++a) out[a][i] = gradient[a];
-      return;
-    }
-    const T* at = reinterpret_cast<const T*>(model.samples.data()) + brick + offset;
-    for (std::size_t a = 0; a < 3; ++a)
-      out[a][i] = (static_cast<double>(at[kSteps[a]]) - static_cast<double>(at[below[a]])) / 2;
+    place_normals(
+        EdgeGradients<GradientOf<T>>{gradients_.gradients(), first_place_.data(),
+                                     second_place_.data(), kept_.data(), run_.n, between_.data()},
+        frame_, normals.data() + first, normals.data() + n_before);
   }
 
   void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordGroup> groups,
@@ -217,7 +187,8 @@ class SliceWriterOf final : public SliceWriter {
   }
 
   const FullSurface& all_;
-  NormalSampler<3, T> sampler_;
+  NormalFrame frame_;
+  GradientRows<T> gradients_;
   std::vector<RowStart> own_, above_;  ///< Of the slice, and of the next one.
   std::int32_t placed_above_ = -1;
   std::int32_t z_ = 0;
@@ -228,8 +199,9 @@ class SliceWriterOf final : public SliceWriter {
   std::vector<T> first_, second_;
   std::vector<std::uint32_t> place_;
   std::vector<double> kept_;
-  Gradients first_gradient_, second_gradient_;  ///< At the ends of the edges.
-  std::array<const CellEdges*, 8> edges_{};     ///< Of cells, by parity.
+  std::vector<std::uint32_t> first_place_, second_place_;  ///< The ends, as gradients_ has them.
+  std::vector<double> between_;
+  std::array<const CellEdges*, 8> edges_{};  ///< Of cells, by parity.
   EdgeRun<T> run_{};
 };
 
