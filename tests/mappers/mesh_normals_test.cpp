@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lode/mappers/mesh_gradients.h"
-#include "lode/mappers/surface_edits.h"
+#include "lode/mappers/zero_normals.h"
 #include "tests/mappers/tetra_fixtures.h"
 
 namespace lode {

@@ -5,6 +5,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_edits.h"
+#include "lode/mappers/zero_normals.h"
 
 namespace lode {
 

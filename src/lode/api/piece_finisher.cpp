@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lode/mappers/surface_edits.h"
+#include "lode/mappers/zero_normals.h"
 
 namespace lode {
 
@@ -30,14 +31,14 @@ Result<void> PieceFinisher::add(SurfacePiece piece) {
 void PieceFinisher::find_zero_normals(const SurfacePiece& piece) {
   const Surface& surface = piece.surface;
   if (surface.normals.empty()) return;
-  for (std::uint32_t v = 0; v < piece.n_new(); ++v)
-    if (surface.normals[v] == Vec3f{}) areas_.emplace(piece.number(v), Vec3f{});
+  const ZeroNormals zeros(surface.normals, options_.threads);
+  zeros.for_each([&](std::uint32_t v) {
+    if (v < piece.n_new()) areas_.emplace(piece.number(v), Vec3f{});
+  });
   if (areas_.empty()) return;
-  for (const auto& t : surface.triangles) {
-    const auto is_zero = [&](std::uint32_t v) { return surface.normals[v] == Vec3f{}; };
-    if (!std::any_of(t.begin(), t.end(), is_zero)) continue;
-    const Vec3f area = cross(surface.positions[t[1]] - surface.positions[t[0]],
-                             surface.positions[t[2]] - surface.positions[t[0]]);
+  for (const std::uint32_t i : zeros.triangles_at(surface, options_.threads)) {
+    const auto& t = surface.triangles[i];
+    const Vec3f area = area_vector(surface, t);
     for (const std::uint32_t v : t)
       if (const auto at = areas_.find(piece.number(v)); at != areas_.end())
         at->second = at->second + area;

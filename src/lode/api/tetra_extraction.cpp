@@ -7,7 +7,7 @@
 #include "lode/api/finishing.h"
 #include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_isosurface.h"
-#include "lode/mappers/surface_edits.h"
+#include "lode/mappers/zero_normals.h"
 
 namespace lode {
 namespace {

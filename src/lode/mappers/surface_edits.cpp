@@ -1,8 +1,6 @@
 #include "lode/mappers/surface_edits.h"
 
 #include <algorithm>
-#include <atomic>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -310,50 +308,6 @@ void flip_orientation(Surface& surface) {
   for (auto& t : surface.triangles) std::swap(t[1], t[2]);
   for (auto& l : surface.lines) std::swap(l[0], l[1]);
   for (Vec3f& n : surface.normals) n = n * -1.0F;
-}
-
-void fill_zero_normals(Surface& surface, Threads threads) {
-  constexpr std::size_t kChunk = 1 << 16;
-  const std::size_t n = surface.normals.size();
-  std::vector<std::uint64_t> zeros(n / 64 + 1, 0);  // a bit a vertex
-  std::atomic<bool> is_any{false};
-  parallel_for((n + kChunk - 1) / kChunk, threads, 1, [&](std::size_t chunk, int) {
-    std::uint64_t any = 0;
-    for (std::size_t v = chunk * kChunk; v < std::min(n, (chunk + 1) * kChunk); v += 64) {
-      std::uint64_t bits = 0;
-      for (std::size_t i = 0; i < std::min<std::size_t>(64, n - v); ++i) {
-        const Vec3f& normal = surface.normals[v + i];
-        const bool is_zero = (normal[0] == 0) & (normal[1] == 0) & (normal[2] == 0);
-        bits |= std::uint64_t{is_zero} << i;
-      }
-      zeros[v / 64] = bits;
-      any |= bits;
-    }
-    if (any != 0) is_any = true;
-  });
-  if (!is_any) return;
-  const auto is_zero = [&](std::uint32_t v) { return (zeros[v / 64] >> v % 64 & 1) != 0; };
-  const auto& triangles = surface.triangles;
-  std::vector<std::vector<std::uint32_t>> found((triangles.size() + kChunk - 1) / kChunk);
-  parallel_for(found.size(), threads, 1, [&](std::size_t chunk, int) {
-    for (std::size_t t = chunk * kChunk; t < std::min(triangles.size(), (chunk + 1) * kChunk); ++t)
-      if (static_cast<int>(is_zero(triangles[t][0])) | static_cast<int>(is_zero(triangles[t][1])) |
-          static_cast<int>(is_zero(triangles[t][2])))
-        found[chunk].push_back(static_cast<std::uint32_t>(t));
-  });
-  for (const auto& chunk : found)
-    for (const std::uint32_t i : chunk) {
-      const auto& t = triangles[i];
-      const Vec3f sum = cross(surface.positions[t[1]] - surface.positions[t[0]],
-                              surface.positions[t[2]] - surface.positions[t[0]]);
-      for (const std::uint32_t v : t)
-        if (is_zero(v)) surface.normals[v] = surface.normals[v] + sum;
-    }
-  for (std::size_t word = 0; word < zeros.size(); ++word)
-    for (std::uint64_t bits = zeros[word]; bits != 0; bits &= bits - 1) {
-      Vec3f& normal = surface.normals[64 * word + static_cast<std::size_t>(std::countr_zero(bits))];
-      normal = normalized(normal);
-    }
 }
 
 }  // namespace lode

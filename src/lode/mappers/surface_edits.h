@@ -49,7 +49,4 @@ struct ComponentNumbers {
 /// Turns triangles (lines) and normals round.
 void flip_orientation(Surface& surface);
 
-/// Replaces zero normals by the area-weighted mean of the triangles round the vertex.
-void fill_zero_normals(Surface& surface, Threads threads);
-
 }  // namespace lode

@@ -108,6 +108,7 @@ namespace lode::diamond {
 
 HWY_EXPORT(normals_f32);
 HWY_EXPORT(normals_f64);
+HWY_EXPORT(run_normals);
 
 void place_normals(const EdgeGradients<float>& gradients, const NormalFrame& frame, Vec3f* normals,
                    const Vec3f* end) {
@@ -116,6 +117,11 @@ void place_normals(const EdgeGradients<float>& gradients, const NormalFrame& fra
 void place_normals(const EdgeGradients<double>& gradients, const NormalFrame& frame, Vec3f* normals,
                    const Vec3f* end) {
   HWY_DYNAMIC_DISPATCH(normals_f64)(gradients, frame, normals, end);
+}
+
+void place_normals(const double* gradients, std::size_t n, const NormalFrame& frame, Vec3f* normals,
+                   const Vec3f* end) {
+  HWY_DYNAMIC_DISPATCH(run_normals)(gradients, n, frame, normals, end);
 }
 
 }  // namespace lode::diamond

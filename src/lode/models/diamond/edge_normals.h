@@ -33,4 +33,9 @@ void place_normals(const EdgeGradients<float>& gradients, const NormalFrame& fra
 void place_normals(const EdgeGradients<double>& gradients, const NormalFrame& frame, Vec3f* normals,
                    const Vec3f* end);
 
+/// The same of gradients where the vertices are, four numbers each; there is room for kEdgePadding
+/// numbers more.
+void place_normals(const double* gradients, std::size_t n, const NormalFrame& frame, Vec3f* normals,
+                   const Vec3f* end);
+
 }  // namespace lode::diamond

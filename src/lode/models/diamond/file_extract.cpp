@@ -8,6 +8,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/brick_marcher.h"
 #include "lode/models/diamond/chunk_work.h"
+#include "lode/models/diamond/inner_gradients.h"
 #include "lode/models/diamond/isovalue_list.h"
 #include "lode/models/diamond/normals.h"
 
@@ -21,21 +22,35 @@ class PartNormals {
  public:
   PartNormals(const CoarseField<D>& field, const FlatField<D>* samples, const Index<D>& origin)
       : coarse_(field), origin_(field.axes.to_grid(origin)) {
-    if (samples != nullptr) fine_.emplace(*samples);
+    if (samples == nullptr) return;
+    fine_.emplace(*samples);
+    if constexpr (D == 3)
+      if (!samples->has_holes()) inner_.emplace(*samples);
   }
 
-  [[nodiscard]] Vec3f at(const EdgePoint& point) const {
-    const Index3 first = to_point(point.first);
-    const Index3 second = to_point(point.second);
-    std::int32_t step = 0;
-    for (std::size_t i = 0; i < 3; ++i) step = std::max(step, std::abs(first[i] - second[i]));
-    if (step >= 1 << kKeptLevel) return coarse_.at(point);
-    return fine_->at({to_key(first - origin_), to_key(second - origin_), point.t});
+  void write(std::span<const EdgePoint> points, std::vector<Vec3f>& normals) const {
+    normals.resize(points.size());
+    write_normals(
+        0, points.size(), coarse_.frame(), normals.data(), [&](std::size_t i, double* out) {
+          put_gradient(
+              points[i], [&](const Index3& p, std::int32_t step, double* at) { find(p, step, at); },
+              out);
+        });
   }
 
  private:
+  void find(const Index3& p, std::int32_t step, double* out) const {
+    const bool is_coarse = step >= 1 << kKeptLevel;
+    if constexpr (D == 3)
+      if (!is_coarse && inner_ && inner_->find(p - origin_, step, out)) return;
+    const Vec3d gradient =
+        is_coarse ? coarse_.gradient(p, step) : fine_->gradient(p - origin_, step);
+    std::copy(gradient.v.begin(), gradient.v.end(), out);
+  }
+
   NormalSampler<D, T, CoarseField<D>> coarse_;
   std::optional<NormalSampler<D, T, FlatField<D>>> fine_;
+  std::optional<InnerGradients<T>> inner_;  ///< Where there are no holes.
   Index3 origin_;
 };
 
@@ -209,9 +224,7 @@ class FileExtraction {
   void find_normals(StitchPart<D>& part, const FlatField<D>* samples, const Index<D>& origin) {
     if (!query_.with_normals) return;
     visit_storage_type(field_.storage, [&]<typename T>() {
-      const PartNormals<D, T> normals(field_, samples, origin);
-      part.normals.reserve(part.part.points.size());
-      for (const EdgePoint& point : part.part.points) part.normals.push_back(normals.at(point));
+      PartNormals<D, T>(field_, samples, origin).write(part.part.points, part.normals);
     });
   }
 

@@ -109,5 +109,11 @@ class NormalSampler {
 template <int D>
 void compute_normals(const Model<D>& model, std::span<const EdgePoint> points, Threads threads,
                      std::span<Vec3f> normals);
+template <>
+void compute_normals<2>(const Model<2>& model, std::span<const EdgePoint> points, Threads threads,
+                        std::span<Vec3f> normals);
+template <>
+void compute_normals<3>(const Model<3>& model, std::span<const EdgePoint> points, Threads threads,
+                        std::span<Vec3f> normals);
 
 }  // namespace lode::diamond
