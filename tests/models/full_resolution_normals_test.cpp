@@ -26,7 +26,7 @@ class Samples {
                    static_cast<std::size_t>(dims[2]));
     for (std::size_t i = 0; i < values_.size(); ++i) {
       const auto x = static_cast<std::int32_t>(i % static_cast<std::size_t>(dims[0]));
-      values_[i] = std::floor(x / 7 % 3 == 2 ? 200 : random.uniform(0, 200));
+      values_[i] = std::floor(x / 5 % 3 == 1 ? 200 : random.uniform(0, 200));
     }
   }
   [[nodiscard]] double at(const Index3& p) const {
@@ -74,10 +74,12 @@ Vec3d gradient_at(const Samples& samples, const Surface& surface, std::uint32_t 
 void expect_normals(const Surface& surface, const Samples& samples) {
   ASSERT_FALSE(surface.is_empty());
   ASSERT_EQ(surface.normals.size(), surface.positions.size());
+  // Floats have the edge parameter to 1e-4 of 0 to 200 along an axis of some hundred samples, so
+  // that gradients of at least 8 have the directions of their normals to less than a hundredth.
   std::size_t n_seen = 0;
   for (std::uint32_t v = 0; v < surface.positions.size(); ++v) {
     const Vec3d gradient = gradient_at(samples, surface, v);
-    if (length(gradient) < 8) continue;  // whose direction rounding decides
+    if (length(gradient) < 8) continue;
     ++n_seen;
     const Vec3d expected = normalized(gradient) * -1.0;
     for (std::size_t i = 0; i < 3; ++i)
@@ -117,7 +119,7 @@ TEST(full_resolution_normals, are_of_central_differences_and_one_sided_at_the_en
             {{49, 66, 35}},
             {{5, 34, 33}},
             {{300, 70, 5}}},
-           {{{3, 2, 5}}, {{17, 3, 4}}, {{33, 7, 4}}, {{34, 33, 5}}, {{49, 5, 34}}})) {
+           {{{3, 2, 5}}, {{17, 3, 4}}, {{32, 4, 3}}, {{33, 7, 4}}, {{34, 33, 5}}, {{49, 5, 34}}})) {
     SCOPED_TRACE(testing::Message() << dims[0] << " " << dims[1] << " " << dims[2]);
     expect_normals_of<std::uint8_t>(dims);
     expect_normals_of<std::uint16_t>(dims);
@@ -125,11 +127,6 @@ TEST(full_resolution_normals, are_of_central_differences_and_one_sided_at_the_en
     expect_normals_of<float>(dims);
     expect_normals_of<double>(dims);
   }
-}
-
-/// Where gradients of two whole slices would be too many, those of a few rows are kept.
-TEST(full_resolution_normals, are_the_same_of_slices_that_are_not_kept_whole) {
-  expect_normals_of<double>({{20, 8200, 2}});
 }
 
 }  // namespace

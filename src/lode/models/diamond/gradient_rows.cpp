@@ -7,8 +7,6 @@
 
 #include <algorithm>
 
-#include "lode/models/diamond/edge_vertices.h"
-
 HWY_BEFORE_NAMESPACE();
 namespace lode::diamond::HWY_NAMESPACE {
 

@@ -9,10 +9,15 @@
 #include <type_traits>
 #include <vector>
 
+#include "lode/core/uninitialized_array.h"
 #include "lode/models/diamond/cell_rows.h"
+#include "lode/models/diamond/edge_vertices.h"
 #include "lode/models/diamond/model.h"
 
 namespace lode::diamond {
+
+/// Of gradients of whole slices, two of them: beyond as many bytes a thread keeps some rows.
+inline constexpr std::size_t kMostGradientBytes = std::size_t{1} << 24;
 
 /// What holds differences of samples, and halves of them, as doubles do.
 template <typename T>
@@ -91,7 +96,7 @@ class GradientRows {
         for (std::size_t run = kRunsPerBrick * (group.first + i); crossed != 0;
              ++run, crossed >>= kGradientRun) {
           if ((crossed & 0xFFFFU) != 0) find_round(run, y, z);
-          if ((crossed & 0x8000U) != 0) find_round(run + 1, y, z);
+          if ((crossed & 0x8000U) != 0 && has_samples(run + 1)) find_round(run + 1, y, z);
         }
       }
   }
@@ -103,15 +108,19 @@ class GradientRows {
   static constexpr std::size_t kRunsPerBrick = as_size(kBrickEdge<3>) / kGradientRun;
   static constexpr std::uint64_t kNothing = ~std::uint64_t{0};
 
-  /// More than a run of edges is of, and all of a slice where that is not too much.
+  /// Of each slice: all, or, where those of two slices would be too many, twice those that a run of
+  /// edges is of.
   [[nodiscard]] std::uint32_t row_count() const {
-    constexpr std::uint32_t kFew = 32;
-    constexpr std::size_t kMostBytes = std::size_t{1} << 24;
+    constexpr std::uint32_t kFew = 2 * kRowsPerRun;
+    static_assert(kFew > kRowsPerRun && std::has_single_bit(kFew));
     const std::uint32_t all = std::bit_ceil(static_cast<std::uint32_t>(model_->shape.dims[1]));
     const std::size_t n_bytes = 8 * sizeof(Gradient) * places_.row_length * all;
-    return n_bytes <= kMostBytes ? std::max(all, kFew) : kFew;
+    return n_bytes <= kMostGradientBytes ? all : std::min(all, kFew);
   }
 
+  [[nodiscard]] bool has_samples(std::size_t run) const {
+    return run * kGradientRun < as_size(model_->shape.dims[0]);
+  }
   /// In the four rows that edges of a row of anchors end in.
   void find_round(std::size_t run, std::int32_t y, std::int32_t z) {
     for (std::int32_t dz = 0; dz < 2; ++dz)
@@ -129,7 +138,7 @@ class GradientRows {
   }
   /// What lies beyond the data comes as it may. The rows that come next are asked for.
   void put_run(std::size_t run, std::int32_t y, std::int32_t z, Gradient* out) const {
-    // The last sample of all may be a run of its own, which the brick before has.
+    // A row's last sample may be a run of its own, which the brick before has.
     const bool is_one = run + 1 == n_runs_;
     const auto first = static_cast<std::int32_t>(run * kGradientRun);
     const RunNeighbours<T> from = neighbours(first, is_one, {y, z});
@@ -188,7 +197,7 @@ class GradientRows {
   const Model<3>* model_;
   std::size_t n_runs_;  ///< Along x.
   GradientPlaces places_;
-  std::vector<Gradient> gradients_;
+  UninitializedArray<Gradient> gradients_;
   std::vector<std::uint64_t> found_;  ///< By run in gradients_, the row that it is of.
 };
 

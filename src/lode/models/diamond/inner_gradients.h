@@ -40,8 +40,8 @@ class InnerGradients {
     }
   }
 
-  /// False where one of them is not, or where they are farther apart than bricks are long. `step`:
-  /// a power of two. `out`: three numbers.
+  /// False where one of them is not, or where the step is longer than a brick. `step`: a power of
+  /// two. `out`: three numbers.
   [[nodiscard]] bool find(const Index3& p, std::int32_t step, double* out) const {
     const std::array<Ends, 3> ends{axes_[0].ends(p[0], step), axes_[1].ends(p[1], step),
                                    axes_[2].ends(p[2], step)};
