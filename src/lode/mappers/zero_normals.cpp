@@ -20,7 +20,7 @@ ZeroNormals::ZeroNormals(std::span<const Vec3f> normals, Threads threads)
       std::uint64_t bits = 0;
       for (std::size_t i = 0; i < std::min<std::size_t>(64, n - v); ++i) {
         const Vec3f& normal = normals[v + i];
-        const bool is_zero = (normal[0] == 0) & (normal[1] == 0) & (normal[2] == 0);
+        const bool is_zero = normal[0] == 0 && normal[1] == 0 && normal[2] == 0;
         bits |= std::uint64_t{is_zero} << i;
       }
       words_[v / 64] = bits;

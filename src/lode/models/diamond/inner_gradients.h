@@ -45,7 +45,7 @@ class InnerGradients {
   [[nodiscard]] bool find(const Index3& p, std::int32_t step, double* out) const {
     const std::array<Ends, 3> ends{axes_[0].ends(p[0], step), axes_[1].ends(p[1], step),
                                    axes_[2].ends(p[2], step)};
-    if (!(ends[0].are_inside & ends[1].are_inside & ends[2].are_inside) || step > kBrickEdge<3>)
+    if (!ends[0].are_inside || !ends[1].are_inside || !ends[2].are_inside || step > kBrickEdge<3>)
       return false;
     const T* const at = samples_ + (ends[0].offset + ends[1].offset + ends[2].offset);
     const double scale = 0.5 / step;
