@@ -54,8 +54,7 @@ void fill_zero_normals(Surface& surface, Threads threads) {
     for (const std::uint32_t v : t)
       if (zeros.has(v)) surface.normals[v] = surface.normals[v] + area;
   }
-  if (zeros.is_any())
-    zeros.for_each([&](std::uint32_t v) { surface.normals[v] = normalized(surface.normals[v]); });
+  zeros.for_each([&](std::uint32_t v) { surface.normals[v] = normalized(surface.normals[v]); });
 }
 
 }  // namespace lode

@@ -16,7 +16,6 @@ class ZeroNormals {
  public:
   ZeroNormals(std::span<const Vec3f> normals, Threads threads);
 
-  [[nodiscard]] bool is_any() const { return is_any_; }
   [[nodiscard]] bool has(std::uint32_t v) const { return (words_[v / 64] >> v % 64 & 1) != 0; }
 
   /// visit(v), ascending.

@@ -40,12 +40,10 @@ class PartNormals {
 
  private:
   void find(const Index3& p, std::int32_t step, double* out) const {
-    const bool is_coarse = step >= 1 << kKeptLevel;
+    if (step >= 1 << kKeptLevel) return coarse_.put(p, step, out);
     if constexpr (D == 3)
-      if (!is_coarse && inner_ && inner_->find(p - origin_, step, out)) return;
-    const Vec3d gradient =
-        is_coarse ? coarse_.gradient(p, step) : fine_->gradient(p - origin_, step);
-    std::copy(gradient.v.begin(), gradient.v.end(), out);
+      if (inner_ && inner_->find(p - origin_, step, out)) return;
+    fine_->put(p - origin_, step, out);
   }
 
   NormalSampler<D, T, CoarseField<D>> coarse_;

@@ -112,7 +112,7 @@ class GradientRows {
   /// edges is of.
   [[nodiscard]] std::uint32_t row_count() const {
     constexpr std::uint32_t kFew = 2 * kRowsPerRun;
-    static_assert(kFew > kRowsPerRun && std::has_single_bit(kFew));
+    static_assert(std::has_single_bit(kFew));
     const std::uint32_t all = std::bit_ceil(static_cast<std::uint32_t>(model_->shape.dims[1]));
     const std::size_t n_bytes = 8 * sizeof(Gradient) * places_.row_length * all;
     return n_bytes <= kMostGradientBytes ? all : std::min(all, kFew);

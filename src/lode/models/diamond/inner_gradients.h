@@ -1,14 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 
-#include "lode/mappers/iso_part.h"
-#include "lode/models/diamond/edge_normals.h"
-#include "lode/models/diamond/edge_vertices.h"
 #include "lode/models/diamond/flat_field.h"
 #include "lode/models/diamond/model.h"
 
@@ -87,37 +82,5 @@ class InnerGradients {
   const T* samples_;
   std::array<Axis, 3> axes_{};
 };
-
-/// Four numbers, the last of which says nothing: the gradient where the point is. find(p, step,
-/// out): that at an end of its edge.
-template <typename Find>
-void put_gradient(const EdgePoint& point, const Find& find, double* out) {
-  const Index3 first = to_point(point.first);
-  const Index3 second = to_point(point.second);
-  const std::int32_t step =
-      std::max({std::abs(first[0] - second[0]), std::abs(first[1] - second[1]),
-                std::abs(first[2] - second[2])});
-  std::array<double, 3> a;
-  std::array<double, 3> b;
-  find(first, step, a.data());
-  find(second, step, b.data());
-  const double rest = 1 - point.t;
-  out[0] = a[0] * rest + b[0] * point.t;
-  out[1] = a[1] * rest + b[1] * point.t;
-  out[2] = a[2] * rest + b[2] * point.t;
-}
-
-/// Normals at points [begin, end), whose gradients put(i, out) gives.
-template <typename Put>
-void write_normals(std::size_t begin, std::size_t end, const NormalFrame& frame, Vec3f* normals,
-                   const Put& put) {
-  constexpr std::size_t kAtOnce = 512;
-  std::array<double, 4 * kAtOnce + kEdgePadding> gradients;
-  for (std::size_t first = begin; first < end; first += kAtOnce) {
-    const std::size_t n = std::min(kAtOnce, end - first);
-    for (std::size_t i = 0; i < n; ++i) put(first + i, gradients.data() + 4 * i);
-    place_normals(gradients.data(), n, frame, normals + first, normals + first + n);
-  }
-}
 
 }  // namespace lode::diamond

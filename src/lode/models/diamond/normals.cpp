@@ -35,9 +35,7 @@ void compute_normals<3>(const Model<3>& model, std::span<const EdgePoint> points
     const InnerGradients<T> inner(model);
     const bool has_holes = model.has_holes();
     const auto find = [&](const Index3& p, std::int32_t step, double* out) {
-      if (!has_holes && inner.find(p, step, out)) return;
-      const Vec3d gradient = sampler.gradient(p, step);
-      std::copy(gradient.v.begin(), gradient.v.end(), out);
+      if (has_holes || !inner.find(p, step, out)) sampler.put(p, step, out);
     };
     for_each_chunk(points.size(), threads, [&](std::size_t begin, std::size_t end) {
       write_normals(begin, end, sampler.frame(), normals.data(),

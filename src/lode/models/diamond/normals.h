@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -9,10 +10,43 @@
 
 #include "lode/mappers/iso_part.h"
 #include "lode/models/diamond/edge_normals.h"
+#include "lode/models/diamond/edge_vertices.h"
 #include "lode/models/diamond/model.h"
 #include "lode/models/diamond/near_samples.h"
 
 namespace lode::diamond {
+
+/// Three numbers: the gradient where a point is. find(p, step, out): that at an end of its edge,
+/// which is `step` long along its axes.
+template <typename Find>
+void put_gradient(const EdgePoint& point, const Find& find, double* out) {
+  const Index3 first = to_point(point.first);
+  const Index3 second = to_point(point.second);
+  const std::int32_t step =
+      std::max({std::abs(first[0] - second[0]), std::abs(first[1] - second[1]),
+                std::abs(first[2] - second[2])});
+  std::array<double, 3> a;
+  std::array<double, 3> b;
+  find(first, step, a.data());
+  find(second, step, b.data());
+  const double rest = 1 - point.t;
+  out[0] = a[0] * rest + b[0] * point.t;
+  out[1] = a[1] * rest + b[1] * point.t;
+  out[2] = a[2] * rest + b[2] * point.t;
+}
+
+/// Normals at points [begin, end), of the gradients that put(i, out) gives, three numbers each.
+template <typename Put>
+void write_normals(std::size_t begin, std::size_t end, const NormalFrame& frame, Vec3f* normals,
+                   const Put& put) {
+  constexpr std::size_t kAtOnce = 512;
+  std::array<double, 4 * kAtOnce + kEdgePadding> gradients;
+  for (std::size_t first = begin; first < end; first += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, end - first);
+    for (std::size_t i = 0; i < n; ++i) put(first + i, gradients.data() + 4 * i);
+    place_normals(gradients.data(), n, frame, normals + first, normals + first + n);
+  }
+}
 
 /// Unit normals that point to lower values, at points on lattice edges: minus the gradient at the
 /// edge's ends, mapped to world space. Zero where the gradient is.
@@ -29,11 +63,11 @@ class NormalSampler {
         sign_(determinant(model.info.grid.index_to_world_matrix()) < 0 ? 1 : -1) {}
 
   [[nodiscard]] Vec3f at(const EdgePoint& point) const {
-    const Index3 first = to_point(point.first);
-    const Index3 second = to_point(point.second);
-    std::int32_t step = 0;
-    for (std::size_t i = 0; i < 3; ++i) step = std::max(step, std::abs(first[i] - second[i]));
-    return to_normal(gradient(first, step) * (1 - point.t) + gradient(second, step) * point.t);
+    Vec3d gradient_there;
+    put_gradient(
+        point, [this](const Index3& p, std::int32_t step, double* out) { put(p, step, out); },
+        gradient_there.v.data());
+    return to_normal(gradient_there);
   }
   /// How to_normal() does it.
   [[nodiscard]] NormalFrame frame() const { return {to_world_, sign_}; }
@@ -49,6 +83,11 @@ class NormalSampler {
     Vec3d result;
     if (!model_.has_holes() && find_inner(grid_point, step, result)) return result;
     return general(grid_point, step);
+  }
+  /// The same as three numbers.
+  void put(const Index3& grid_point, std::int32_t step, double* out) const {
+    const Vec3d found = gradient(grid_point, step);
+    std::copy(found.v.begin(), found.v.end(), out);
   }
 
  private:
