@@ -284,7 +284,8 @@ SurfaceWriteOptions note_of(const ExtractReport& report, const std::vector<doubl
                               : "",
                           topology_comment(report), distance_comment(report),
                           simplify_comment(report), salvage_comment(input.dataset.salvaged())),
-          .frame = input.info.volume.grid.frame};
+          .frame = input.info.volume.grid.frame,
+          .threads = options.threads};
 }
 
 void add_job(const ExtractReport& report, const ExtractOptions& options, const Input& input,

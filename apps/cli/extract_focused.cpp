@@ -128,7 +128,8 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
       {.comment = fmt::format("Lode {}: isovalue {}, error_bound {}{}", LODE_VERSION,
                               options.query.isovalues.front(), report.standing.error_bound,
                               salvage_comment(input.dataset.salvaged())),
-       .frame = input.info.volume.grid.frame},
+       .frame = input.info.volume.grid.frame,
+       .threads = session.threads()},
       session.progress()));
   Outcome outcome;
   outcome.json = focused_json(job, input, report, surface);

@@ -131,7 +131,8 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   LODE_CHECK(write_mesh(job.output, mesh,
                         {.comment = comment_of("mesh", input, made),
                          .frame = input.info.volume.grid.frame,
-                         .value_name = input.info.volume.field_name},
+                         .value_name = input.info.volume.field_name,
+                         .threads = session.threads()},
                         session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
@@ -175,7 +176,8 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
   LODE_CHECK(write_surface(job.output, section,
                            {.comment = comment_of("section", input, made),
                             .frame = input.info.volume.grid.frame,
-                            .value_name = input.info.volume.field_name},
+                            .value_name = input.info.volume.field_name,
+                            .threads = session.threads()},
                            session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;

@@ -16,7 +16,8 @@ Result<void> write_step(const StepsJob& job, const ProgressiveStep& step, const 
       {.comment = fmt::format("Lode {}: isovalue {}, step of max_error {}, achieved_error {}{}",
                               LODE_VERSION, job.options.isovalues.front(), step.max_error,
                               step.achieved_error, salvage_comment(job.input.dataset.salvaged())),
-       .frame = job.input.info.volume.grid.frame},
+       .frame = job.input.info.volume.grid.frame,
+       .threads = job.options.threads},
       progress);
 }
 

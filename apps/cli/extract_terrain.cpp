@@ -168,7 +168,8 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                      .value_name = "height",
                      .node_name = "terrain",
                      .metres = metres_of_axes(job, surface.frame, opened.terrain.range(), session),
-                     .places = made.places},
+                     .places = made.places,
+                     .threads = session.threads()},
                     session.progress()));
   TerrainReport report = made.report;
   if (!made.places.empty() && can_hold_places(job.output)) {

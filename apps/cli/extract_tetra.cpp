@@ -259,7 +259,8 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   LODE_CHECK(write_mesh(job.output, mesh,
                         {.comment = tetra_comment("mesh", input, made, job.query.opacity),
                          .value_name = field.name,
-                         .time = input.time()},
+                         .time = input.time(),
+                         .threads = session.threads()},
                         session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
@@ -336,13 +337,15 @@ std::string kind_of_surface(const MeshJob& job, const std::vector<double>& isova
 
 /// Of more than one path each has an isovalue of its own. All are there in the end, or none.
 Result<void> write_surfaces(const MeshJob& job, const TetraInput& input, const Surface& surface,
-                            const TetraAnswer& made, Progress& progress) {
+                            const TetraAnswer& made, Session& session) {
   const auto note = [&](const std::vector<double>& isovalues) {
     return SurfaceWriteOptions{
         .comment = tetra_comment(kind_of_surface(job, isovalues), input, made, job.query.opacity),
         .value_name = input.field().name,
-        .time = input.time()};
+        .time = input.time(),
+        .threads = session.threads()};
   };
+  Progress& progress = session.progress();
   OutputSet outputs(made.outputs);
   for (const std::string& path : made.outputs) outputs.add(path);
   if (made.outputs.size() == 1) {
@@ -375,7 +378,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   made.isovalues =
       job.query.is_wanted() ? wanted.sections.isovalues : wanted.surface.query.isovalues;
   const Stopwatch watch;
-  LODE_CHECK(write_surfaces(job, input, surface, made, session.progress()));
+  LODE_CHECK(write_surfaces(job, input, surface, made, session));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;

@@ -444,7 +444,7 @@ TEST(netcdf_output, refuses_what_its_format_cannot_hold) {
   EXPECT_EQ(netcdf_data_bytes(content), std::uint64_t{1} << 32U);
   Progress progress;
   const std::string path = file_path("huge.e");
-  auto file = SurfaceOutput::create(path, 0, progress);
+  auto file = SurfaceOutput::create(path, 0, progress, {2});
   ASSERT_TRUE(file);
   const auto status = write_netcdf(path, content, *file);
   ASSERT_FALSE(status);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "lode/io/spool_buffer.h"
+#include "lode/io/patched_spool.h"
 #include "tests/io/surface_fixtures.h"
 
 namespace lode::io {
@@ -80,7 +80,7 @@ class surface_stream : public testing::TestWithParam<const char*> {
     Progress progress;
     const auto written = write_surface(whole, surface, kOptions, progress);
     ASSERT_TRUE(written) << written.error().message;
-    auto stream = stream_surface(streamed, memory_bytes, progress);
+    auto stream = stream_surface(streamed, memory_bytes, {2}, progress);
     ASSERT_TRUE(stream) << stream.error().message;
     const auto added = add_pieces(surface, **stream);
     ASSERT_TRUE(added) << added.error().message;
@@ -112,7 +112,7 @@ TEST_P(surface_stream, keeps_an_origin_or_says_why_not) {
   if (extension() != ".stl") return expect_same_file(surface, 100);
   Progress progress;
   const std::string path = temporary_path("far.stl");
-  const auto stream = stream_surface(path, 100, progress);
+  const auto stream = stream_surface(path, 100, {2}, progress);
   ASSERT_TRUE(stream);
   const auto added = add_pieces(surface, **stream);
   ASSERT_FALSE(added);
@@ -125,7 +125,7 @@ TEST_P(surface_stream, holds_lines_or_says_why_not) {
   circle.lines = {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 0}};
   if (can_hold_lines(extension())) return expect_same_file(circle, 10);
   Progress progress;
-  const auto stream = stream_surface(temporary_path("line.stl"), 100, progress);
+  const auto stream = stream_surface(temporary_path("line.stl"), 100, {2}, progress);
   ASSERT_TRUE(stream);
   EXPECT_FALSE(add_pieces(circle, **stream));
 }
@@ -145,7 +145,7 @@ TEST_P(surface_stream, takes_normals_that_come_later) {
   Progress progress;
   ASSERT_TRUE(write_surface(whole, surface, kOptions, progress));
   for (const std::uint64_t memory_bytes : {0U, 1U << 20}) {
-    const auto stream = stream_surface(streamed, memory_bytes, progress);
+    const auto stream = stream_surface(streamed, memory_bytes, {2}, progress);
     ASSERT_TRUE(stream && add_pieces(before, **stream));
     (*stream)->set_normals(later);
     ASSERT_TRUE((*stream)->finish(kOptions));
@@ -162,13 +162,13 @@ TEST_P(surface_stream, leaves_nothing_when_it_is_not_finished_or_cancelled) {
   const Surface surface = torus_of_one_isovalue(9);
   {
     Progress progress;
-    const auto stream = stream_surface(path, 0, progress);
+    const auto stream = stream_surface(path, 0, {2}, progress);
     ASSERT_TRUE(stream && add_pieces(surface, **stream));
   }
   EXPECT_TRUE(std::filesystem::is_empty(directory));
   {
     Progress progress;
-    const auto stream = stream_surface(path, 0, progress);
+    const auto stream = stream_surface(path, 0, {2}, progress);
     ASSERT_TRUE(stream && add_pieces(surface, **stream));
     progress.cancel();
     EXPECT_FALSE((*stream)->finish(kOptions));
@@ -179,33 +179,40 @@ TEST_P(surface_stream, leaves_nothing_when_it_is_not_finished_or_cancelled) {
 
 INSTANTIATE_TEST_SUITE_P(formats, surface_stream, testing::Values(".ply", ".stl", ".vtp"));
 
-TEST(spool_buffer, reads_what_was_written_and_replaced_wherever_it_lies) {
+TEST(patched_spool, reads_what_was_written_and_replaced_wherever_it_lies) {
   std::vector<std::byte> expected(3'000'000);
   for (std::size_t i = 0; i < expected.size(); ++i)
     expected[i] = static_cast<std::byte>((i * 2654435761U) >> 13);
-  for (const std::size_t memory_bytes : {std::size_t{0}, std::size_t{2'500'000}, expected.size()}) {
-    SpoolBuffer spool(testing::TempDir(), memory_bytes);
-    for (std::size_t at = 0, n = 1; at < expected.size(); at += n, n = 3 * n + 1) {
-      n = std::min(n, expected.size() - at);
-      ASSERT_TRUE(spool.write(std::span(expected).subspan(at, n)));
-    }
-    EXPECT_EQ(spool.is_on_disk(), memory_bytes < expected.size());
-    std::vector<std::byte> changed = expected;
-    for (const std::size_t at :
-         {std::size_t{2'097'150}, std::size_t{0}, std::size_t{1'048'574}, expected.size() - 5}) {
-      const std::vector<std::byte> other(5, std::byte{77});
-      spool.replace(at, other);
-      std::ranges::copy(other, changed.begin() + static_cast<std::ptrdiff_t>(at));
-    }
-    for (const std::size_t record : {1U, 12U, 28U}) {
-      std::vector<std::byte> got;
-      ASSERT_TRUE(spool.read(record, [&](std::span<const std::byte> bytes) -> Result<void> {
-        got.insert(got.end(), bytes.begin(), bytes.end());
-        return {};
-      }));
-      EXPECT_TRUE(got == changed) << record;
-    }
+  PatchedSpool spool(testing::TempDir(), {2});
+  for (std::size_t at = 0, n = 1; at < expected.size(); at += n, n = 3 * n + 1) {
+    n = std::min(n, expected.size() - at);
+    ASSERT_TRUE(spool.write(std::span(expected).subspan(at, n)));
   }
+  std::vector<std::byte> changed = expected;
+  for (const std::size_t at :
+       {std::size_t{2'097'150}, std::size_t{0}, std::size_t{1'048'574}, expected.size() - 5}) {
+    const std::vector<std::byte> other(5, std::byte{77});
+    spool.replace(at, other);
+    std::ranges::copy(other, changed.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  for (const std::size_t record : {1U, 12U, 28U}) {
+    std::vector<std::byte> got;
+    ASSERT_TRUE(spool.read(record, [&](std::span<const std::byte> bytes) -> Result<void> {
+      got.insert(got.end(), bytes.begin(), bytes.end());
+      return {};
+    }));
+    EXPECT_TRUE(got == changed) << record;
+  }
+}
+
+TEST(patched_spool, is_empty_and_has_no_file_before_the_first_bytes) {
+  const PatchedSpool spool("/nowhere/at/all", {1});
+  bool is_read = false;
+  ASSERT_TRUE(spool.read(1, [&](std::span<const std::byte>) -> Result<void> {
+    is_read = true;
+    return {};
+  }));
+  EXPECT_FALSE(is_read);
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ Result<ExtractReport> extract_to_file(
   if (comes_in_pieces && io::can_stream(path)) {
     const std::uint64_t limit =
         options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
-    LODE_TRY(const auto stream, io::stream_surface(path, limit / 8, progress));
+    LODE_TRY(const auto stream, io::stream_surface(path, limit / 8, options.threads, progress));
     LODE_TRY(ExtractReport report, dataset.extract(options, *stream, progress));
     report.seconds.total = all.seconds();  // with what was read to find how it comes
     const Stopwatch writing;

@@ -106,7 +106,8 @@ Result<ExtractReport> stream_to_files(const Dataset& dataset, const ExtractOptio
       options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
   Streams streams;
   for (const std::string& path : paths) {
-    LODE_TRY(auto stream, io::stream_surface(path, limit / 8 / paths.size(), progress));
+    LODE_TRY(auto stream,
+             io::stream_surface(path, limit / 8 / paths.size(), options.threads, progress));
     streams.push_back(std::move(stream));
   }
   IsovalueSplitter splitter(options.isovalues, streams);

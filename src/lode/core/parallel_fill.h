@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
+#include <vector>
 
 #include "lode/core/parallel.h"
 #include "lode/core/uninitialized_array.h"
@@ -47,6 +48,23 @@ void fill_anew(UninitializedArray<T>& array, std::size_t n_kept, std::size_t n, 
 template <typename T>
 void fill_anew(UninitializedArray<T>& array, std::size_t n, T value, Threads threads) {
   fill_anew(array, 0, n, value, threads);
+}
+
+/// resize_large() of a vector that is empty, whose new memory comes in with several threads:
+/// setting what is there to zero takes a fraction of that.
+template <typename T>
+void resize_large(std::vector<T>& vector, std::size_t n, Threads threads) {
+  constexpr std::size_t kPieceBytes = std::size_t{4} << 20;
+  if (vector.empty() && n > vector.capacity()) {
+    vector.reserve(n);
+    auto* const memory = reinterpret_cast<std::byte*>(vector.data());
+    const std::size_t n_bytes = n * sizeof(T);
+    prefer_huge_pages(memory, n_bytes);
+    parallel_for(n_bytes / kPieceBytes, threads, 1, [&](std::size_t piece, int) {
+      bring_in(memory + piece * kPieceBytes, std::min(kPieceBytes, n_bytes - piece * kPieceBytes));
+    });
+  }
+  vector.resize(n);
 }
 
 }  // namespace lode

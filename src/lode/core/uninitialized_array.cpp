@@ -39,4 +39,16 @@ void prefer_huge_pages(void* memory, std::size_t n_bytes) {
 #endif
 }
 
+void bring_in(void* memory, std::size_t n_bytes) {
+#if defined(__linux__) && defined(MADV_POPULATE_WRITE)
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  std::size_t left = n_bytes;
+  if (std::align(page, page, memory, left) == nullptr) return;
+  madvise(memory, left / page * page, MADV_POPULATE_WRITE);
+#else
+  static_cast<void>(memory);
+  static_cast<void>(n_bytes);
+#endif
+}
+
 }  // namespace lode

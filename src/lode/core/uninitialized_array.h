@@ -16,6 +16,10 @@ void free_large(void* memory) noexcept;
 /// Asks for huge pages for memory that nobody has written to yet, where it is large.
 void prefer_huge_pages(void* memory, std::size_t n_bytes);
 
+/// Has the system give pages for memory that nobody has written to yet, as the first write to each
+/// would. Nothing happens where it cannot do so ahead of them.
+void bring_in(void* memory, std::size_t n_bytes);
+
 /// vector.resize(n), which takes new memory in huge pages: there are far fewer of them to be given
 /// when it is first written to.
 template <typename T>

@@ -274,8 +274,8 @@ Result<void> write_exodus_mesh(const std::string& path, const SimplexMesh& mesh,
   content.add_blocks();
   content.add_side_sets();
   content.add_fields(options);
-  LODE_TRY(SurfaceOutput file,
-           SurfaceOutput::create(path, netcdf_data_bytes(content.content()), progress));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, netcdf_data_bytes(content.content()),
+                                                     progress, options.threads));
   LODE_CHECK(write_netcdf(path, content.content(), file));
   return file.commit();
 }

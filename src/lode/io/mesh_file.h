@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lode/core/mesh.h"
+#include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/regular_grid.h"
 #include "lode/core/result.h"
@@ -15,6 +16,7 @@ struct MeshWriteOptions {
   Frame frame = Frame::unknown;  ///< Named in the header.
   std::string value_name;        ///< Of the field; empty: "value".
   std::optional<double> time{};  ///< Of all values, of a series.
+  Threads threads{};             ///< The bytes are the same for any.
 };
 
 /// Writes a mesh in the format that the extension of `path` names (any case), whole or not at all:

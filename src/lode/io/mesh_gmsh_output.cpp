@@ -229,7 +229,7 @@ Result<void> write_gmsh_mesh(const std::string& path, const SimplexMesh& mesh,
           (sizeof(Vec3d) + sizeof(std::uint64_t) + (mesh.attributes.size() + 1) * sizeof(double)) +
       mesh.n_cells() * (n_simplex_corners(mesh) + 2 + mesh.attributes.size()) *
           sizeof(std::uint64_t);
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress, options.threads));
   GmshOutput out{std::move(file), mesh, blocks, patches, options.time.value_or(0)};
   LODE_CHECK(write_gmsh_head(options, out));
   LODE_CHECK(write_gmsh_entities(out));

@@ -146,7 +146,7 @@ Result<void> write_vtk_legacy_mesh(const std::string& path, const SimplexMesh& m
       mesh.positions.size() * (sizeof(Vec3d) + (mesh.attributes.size() + 1) * sizeof(double)) +
       mesh.n_cells() * (n_simplex_corners(mesh) + 3 + mesh.attributes.size()) *
           sizeof(std::int32_t);
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress, options.threads));
   LODE_CHECK(file.write(legacy_head(options)));
   LODE_CHECK(write_legacy_time(file, options.time));
   LODE_CHECK(file.write(fmt::format("POINTS {} double\n", mesh.positions.size())));

@@ -189,7 +189,8 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_EXPECTS(mesh.regions.empty() || mesh.regions.size() == mesh.n_cells());
   LODE_EXPECTS(has_whole_attributes(mesh));
   const VtuLayout layout = make_vtu_layout(mesh, options);
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtu_bytes(layout), progress));
+  LODE_TRY(SurfaceOutput file,
+           SurfaceOutput::create(path, vtu_bytes(layout), progress, options.threads));
   LODE_CHECK(file.write(vtk_xml_head("UnstructuredGrid", options.comment, options.frame)));
   LODE_CHECK(file.write(vtu_piece(mesh, layout, options.time)));
   LODE_CHECK(write_array_size(file, layout.values));

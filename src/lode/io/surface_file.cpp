@@ -38,7 +38,8 @@ struct SurfaceFormat {
   bool holds_places;
   Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&, Progress&);
   Result<PlacedSurface> (*read)(const std::string&);
-  Result<std::unique_ptr<SurfaceStream>> (*stream)(const std::string&, std::uint64_t, Progress&);
+  Result<std::unique_ptr<SurfaceStream>> (*stream)(const std::string&, std::uint64_t, Threads,
+                                                   Progress&);
 };
 
 constexpr std::array kFormats{
@@ -121,11 +122,11 @@ bool can_stream(const std::string& path) {
 }
 
 Result<std::unique_ptr<SurfaceStream>> stream_surface(const std::string& path,
-                                                      std::uint64_t memory_bytes,
+                                                      std::uint64_t memory_bytes, Threads threads,
                                                       Progress& progress) {
   LODE_CHECK(check_surface_path(path));
   LODE_EXPECTS(can_stream(path));
-  return find_format(path)->stream(path, memory_bytes, progress);
+  return find_format(path)->stream(path, memory_bytes, threads, progress);
 }
 
 Result<PlacedSurface> read_placed_surface(const std::string& path) try {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "lode/core/parallel.h"
 #include "lode/core/placed_surface.h"
 #include "lode/core/progress.h"
 #include "lode/core/regular_grid.h"
@@ -25,6 +26,7 @@ struct SurfaceWriteOptions {
   /// Where vertices are, in the world and in float64, for formats that can_hold_places(); the
   /// others have positions and origin. Empty: all have.
   std::span<const Vec3d> places{};
+  Threads threads{};  ///< The bytes are the same for any.
 };
 
 /// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,

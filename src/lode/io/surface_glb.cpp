@@ -368,7 +368,7 @@ Result<void> write_glb(const std::string& path, const Surface& surface,
         "{}: glTF files hold fewer than 2^32 bytes, and this surface takes {}; expected "
         ".ply, .obj or .vtp",
         path, n_bytes);
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress, options.threads));
   LODE_CHECK(write_words(file, {kGlbMagic, kGlbVersion, n_bytes, text.size(), kJsonChunk}));
   LODE_CHECK(file.write(text));
   if (n_data_bytes > 0) {

@@ -268,7 +268,8 @@ Result<PlacedSurface> read_as_double(const std::string& path, std::string_view t
 
 Result<void> write_obj(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, usual_obj_bytes(surface), progress));
+  LODE_TRY(SurfaceOutput file,
+           SurfaceOutput::create(path, usual_obj_bytes(surface), progress, options.threads));
   LODE_CHECK(write_comments(file, surface, options));
   LODE_CHECK(write_vertex_lines(file, surface, options.places));
   LODE_CHECK(write_cell_lines(file, surface));

@@ -3,9 +3,9 @@
 namespace lode::io {
 
 Result<SurfaceOutput> SurfaceOutput::create(const std::string& path, std::uint64_t n_bytes,
-                                            Progress& progress) {
+                                            Progress& progress, Threads threads) {
   LODE_TRY(AtomicFile file, AtomicFile::create(path));
-  return SurfaceOutput(std::move(file), n_bytes, progress);
+  return SurfaceOutput(std::move(file), n_bytes, progress, threads);
 }
 
 Result<void> SurfaceOutput::write(std::span<const std::byte> bytes) {

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "lode/core/atomic_file.h"
+#include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
+#include "lode/core/uninitialized_array.h"
 
 namespace lode::io {
 
@@ -53,9 +55,9 @@ inline void put(std::byte*& out, const T& value) {
 class SurfaceOutput {
  public:
   /// n_bytes: the size the file will have, as far as it is known; only the progress hangs on it,
-  /// which with 0 is not reported.
+  /// which with 0 is not reported. threads: what write_records() may use.
   [[nodiscard]] static Result<SurfaceOutput> create(const std::string& path, std::uint64_t n_bytes,
-                                                    Progress& progress);
+                                                    Progress& progress, Threads threads);
 
   /// Appends bytes.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
@@ -67,17 +69,19 @@ class SurfaceOutput {
     return file_.write_at(offset, std::as_bytes(std::span(text.data(), text.size())));
   }
   [[nodiscard]] Result<void> commit() { return file_.commit(progress_); }
+  [[nodiscard]] Threads threads() const { return threads_; }
 
  private:
-  SurfaceOutput(AtomicFile file, std::uint64_t n_bytes, Progress& progress)
-      : file_(std::move(file)), n_bytes_(n_bytes), progress_(progress) {}
+  SurfaceOutput(AtomicFile file, std::uint64_t n_bytes, Progress& progress, Threads threads)
+      : file_(std::move(file)), n_bytes_(n_bytes), progress_(progress), threads_(threads) {}
 
   AtomicFile file_;
   std::uint64_t n_bytes_;
   Progress& progress_;
+  Threads threads_;
 };
 
-// An Output takes bytes by write(): a SurfaceOutput, or a SpoolBuffer.
+// An Output takes bytes by write(), and has threads(): a SurfaceOutput, or a PatchedSpool.
 
 /// Appends a whole array as it lies in memory.
 template <typename T, typename Output>
@@ -85,17 +89,22 @@ template <typename T, typename Output>
   return file.write(std::as_bytes(values));
 }
 
-/// Appends n records of record_bytes each, filled in by fill(i, out), in pieces large enough to
-/// bypass the file's own buffer.
+/// Appends n records of record_bytes each, filled in by fill(i, out), which the output's threads
+/// call at once, in pieces large enough to bypass the file's own buffer.
 template <typename Output, typename Fill>
 [[nodiscard]] Result<void> write_records(Output& file, std::size_t n, std::size_t record_bytes,
                                          const Fill& fill) {
   constexpr std::size_t kPieceBytes = std::size_t{2} << 20;
+  constexpr std::size_t kPart = 4096;  // records that one thread fills in
   const std::size_t n_per_piece = kPieceBytes / record_bytes;
-  std::vector<std::byte> piece(std::min(n, n_per_piece) * record_bytes);
+  UninitializedArray<std::byte> piece(std::min(n, n_per_piece) * record_bytes);
   for (std::size_t first = 0; first < n; first += n_per_piece) {
     const std::size_t n_records = std::min(n_per_piece, n - first);
-    for (std::size_t i = 0; i < n_records; ++i) fill(first + i, piece.data() + i * record_bytes);
+    parallel_for((n_records + kPart - 1) / kPart, file.threads(), 1, [&](std::size_t part, int) {
+      const std::size_t end = std::min(n_records, (part + 1) * kPart);
+      for (std::size_t i = part * kPart; i < end; ++i)
+        fill(first + i, piece.data() + i * record_bytes);
+    });
     LODE_CHECK(file.write(std::span<const std::byte>(piece.data(), n_records * record_bytes)));
   }
   return {};

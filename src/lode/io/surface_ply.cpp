@@ -4,7 +4,7 @@
 #include <limits>
 #include <string_view>
 
-#include "lode/io/surface_stream_parts.h"
+#include "lode/io/waiting_stream.h"
 
 namespace lode::io {
 namespace {
@@ -144,42 +144,49 @@ Result<void> write_cell_records(Output& file, const Surface& surface, const Numb
 }
 
 /// Vertices come before all cells: both wait.
-class PlyStream : public SurfaceStream {
+class PlyStream : public WaitingStream {
  public:
-  PlyStream(const std::string& path, std::uint64_t memory_bytes, Progress& progress)
-      : path_(path),
+  PlyStream(const std::string& path, std::uint64_t memory_bytes, Threads threads,
+            Progress& progress)
+      : WaitingStream(memory_bytes),
+        path_(path),
         progress_(progress),
-        vertices_(directory_of(path), memory_bytes / 2),
-        cells_(directory_of(path), memory_bytes / 2) {}
+        vertices_(directory_of(path), threads),
+        cells_(directory_of(path), threads) {}
 
-  Result<void> add(SurfacePiece piece) override {
-    note(piece, layout_);
-    LODE_CHECK(write_vertex_records(vertices_, piece.surface, piece.n_new()));
-    return write_cell_records(cells_, piece.surface,
-                              [&](const auto& cell) { return numbered(piece, cell); });
-  }
-  void set_normals(std::span<const VertexNormal> normals) override {
-    for (const VertexNormal& n : normals)
-      vertices_.replace(n.vertex * std::uint64_t{vertex_bytes(layout_)} + place_bytes(layout_),
-                        std::as_bytes(std::span(&n.normal, 1)));
-  }
-  [[nodiscard]] std::uint32_t n_vertices() const override {
-    return static_cast<std::uint32_t>(layout_.n_vertices);
-  }
   Result<void> finish(const SurfaceWriteOptions& options) override {
-    LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path_, ply_bytes(layout_), progress_));
-    LODE_CHECK(file.write(ply_header(layout_, options)));
-    LODE_CHECK(copy(vertices_, file));
-    LODE_CHECK(copy(cells_, file));
+    LODE_TRY(SurfaceOutput file,
+             SurfaceOutput::create(path_, ply_bytes(layout()), progress_, options.threads));
+    LODE_CHECK(file.write(ply_header(layout(), options)));
+    if (is_spooled()) {
+      LODE_CHECK(copy(vertices_, file));
+      LODE_CHECK(copy(cells_, file));
+    }
+    for (const SurfacePiece& piece : pieces())
+      LODE_CHECK(write_vertex_records(file, piece.surface, piece.n_new()));
+    for (const SurfacePiece& piece : pieces()) LODE_CHECK(write_cells(file, piece));
     return file.commit();
   }
 
  private:
+  template <typename Output>
+  static Result<void> write_cells(Output& output, const SurfacePiece& piece) {
+    return write_cell_records(output, piece.surface,
+                              [&](const auto& cell) { return numbered(piece, cell); });
+  }
+  Result<void> spool(const SurfacePiece& piece) override {
+    LODE_CHECK(write_vertex_records(vertices_, piece.surface, piece.n_new()));
+    return write_cells(cells_, piece);
+  }
+  void set_spooled_normal(const VertexNormal& n) override {
+    vertices_.replace(n.vertex * std::uint64_t{vertex_bytes(layout())} + place_bytes(layout()),
+                      std::as_bytes(std::span(&n.normal, 1)));
+  }
+
   std::string path_;
   Progress& progress_;
-  SurfaceLayout layout_;
-  SpoolBuffer vertices_;
-  SpoolBuffer cells_;
+  PatchedSpool vertices_;
+  PatchedSpool cells_;
 };
 
 }  // namespace
@@ -187,7 +194,8 @@ class PlyStream : public SurfaceStream {
 Result<void> write_ply(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
   const SurfaceLayout layout = SurfaceLayout::of(surface, options.places);
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, ply_bytes(layout), progress));
+  LODE_TRY(SurfaceOutput file,
+           SurfaceOutput::create(path, ply_bytes(layout), progress, options.threads));
   LODE_CHECK(file.write(ply_header(layout, options)));
   LODE_CHECK(write_vertex_records(file, surface, surface.positions.size(), options.places));
   LODE_CHECK(write_cell_records(file, surface, [](const auto& cell) { return cell; }));
@@ -195,8 +203,10 @@ Result<void> write_ply(const std::string& path, const Surface& surface,
 }
 
 Result<std::unique_ptr<SurfaceStream>> stream_ply(const std::string& path,
-                                                  std::uint64_t memory_bytes, Progress& progress) {
-  return std::unique_ptr<SurfaceStream>(std::make_unique<PlyStream>(path, memory_bytes, progress));
+                                                  std::uint64_t memory_bytes, Threads threads,
+                                                  Progress& progress) {
+  return std::unique_ptr<SurfaceStream>(
+      std::make_unique<PlyStream>(path, memory_bytes, threads, progress));
 }
 
 }  // namespace lode::io

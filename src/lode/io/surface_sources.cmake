@@ -2,7 +2,7 @@
 set(IO_SURFACE_SOURCES
   mesh_vtu.cpp
   network_vtp.cpp
-  spool_buffer.cpp
+  patched_spool.cpp
   surface_file.cpp
   surface_glb.cpp
   surface_input.cpp
@@ -13,5 +13,6 @@ set(IO_SURFACE_SOURCES
   surface_stl.cpp
   surface_vtp.cpp
   surface_vtp_reader.cpp
-  vtk_xml_output.cpp)
+  vtk_xml_output.cpp
+  waiting_stream.cpp)
 find_package(nlohmann_json REQUIRED)

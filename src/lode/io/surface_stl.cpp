@@ -203,9 +203,9 @@ Result<Surface> read_ascii(const std::string& path, std::string_view text) {
 Result<void> write_stl(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
   LODE_CHECK(check_can_hold(path, surface));
-  LODE_TRY(
-      SurfaceOutput file,
-      SurfaceOutput::create(path, kCountEnd + kFacetBytes * surface.triangles.size(), progress));
+  LODE_TRY(SurfaceOutput file,
+           SurfaceOutput::create(path, kCountEnd + kFacetBytes * surface.triangles.size(), progress,
+                                 options.threads));
   LODE_CHECK(file.write(stl_header(options) +
                         count_bytes(static_cast<std::uint32_t>(surface.triangles.size()))));
   LODE_CHECK(write_facets(file, surface));
@@ -213,9 +213,9 @@ Result<void> write_stl(const std::string& path, const Surface& surface,
 }
 
 Result<std::unique_ptr<SurfaceStream>> stream_stl(const std::string& path,
-                                                  std::uint64_t /*memory_bytes*/,
+                                                  std::uint64_t /*memory_bytes*/, Threads threads,
                                                   Progress& progress) {
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, 0, progress));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, 0, progress, threads));
   LODE_CHECK(file.write(std::string(kCountEnd, ' ')));
   return std::unique_ptr<SurfaceStream>(std::make_unique<StlStream>(path, std::move(file)));
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/surface_sink.h"
 #include "lode/io/surface_file.h"
@@ -22,9 +23,11 @@ class SurfaceStream : public SurfaceSink {
 /// Whether the format that the extension names can be written piece by piece: .ply, .stl, .vtp.
 [[nodiscard]] bool can_stream(const std::string& path);
 
-/// memory_bytes: about what may wait in memory. `progress`: of finish(), and to be cancelled.
+/// memory_bytes: about what may wait in memory. threads: of what is done as pieces come.
+/// `progress`: of finish(), and to be cancelled.
 [[nodiscard]] Result<std::unique_ptr<SurfaceStream>> stream_surface(const std::string& path,
                                                                     std::uint64_t memory_bytes,
+                                                                    Threads threads,
                                                                     Progress& progress);
 
 }  // namespace lode::io

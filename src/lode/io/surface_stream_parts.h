@@ -5,7 +5,7 @@
 #include <string>
 
 #include "lode/core/expects.h"
-#include "lode/io/spool_buffer.h"
+#include "lode/io/patched_spool.h"
 #include "lode/io/surface_layout.h"
 #include "lode/io/surface_output.h"
 #include "lode/io/surface_stream.h"
@@ -35,7 +35,7 @@ inline std::string directory_of(const std::string& path) {
 }
 
 /// Appends all of a spool to the output.
-[[nodiscard]] inline Result<void> copy(const SpoolBuffer& spool, SurfaceOutput& file) {
+[[nodiscard]] inline Result<void> copy(const PatchedSpool& spool, SurfaceOutput& file) {
   return spool.read(1, [&](std::span<const std::byte> bytes) { return file.write(bytes); });
 }
 
@@ -48,12 +48,15 @@ Cell numbered(const SurfacePiece& piece, Cell cell) {
 
 [[nodiscard]] Result<std::unique_ptr<SurfaceStream>> stream_ply(const std::string& path,
                                                                 std::uint64_t memory_bytes,
+                                                                Threads threads,
                                                                 Progress& progress);
 [[nodiscard]] Result<std::unique_ptr<SurfaceStream>> stream_stl(const std::string& path,
                                                                 std::uint64_t memory_bytes,
+                                                                Threads threads,
                                                                 Progress& progress);
 [[nodiscard]] Result<std::unique_ptr<SurfaceStream>> stream_vtp(const std::string& path,
                                                                 std::uint64_t memory_bytes,
+                                                                Threads threads,
                                                                 Progress& progress);
 
 }  // namespace lode::io

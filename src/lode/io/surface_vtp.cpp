@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "lode/io/mesh_patches.h"
-#include "lode/io/surface_stream_parts.h"
 #include "lode/io/vtk_xml_output.h"
+#include "lode/io/waiting_stream.h"
 
 namespace lode::io {
 namespace {
@@ -223,65 +223,86 @@ Result<void> write_cell_arrays(SurfaceOutput& file, const Surface& surface,
 constexpr std::string_view kVtpEnd = "\n</AppendedData>\n</VTKFile>\n";
 
 /// Each array is in one place of the file: all wait.
-class VtpStream : public SurfaceStream {
+class VtpStream : public WaitingStream {
  public:
-  VtpStream(const std::string& path, std::uint64_t memory_bytes, Progress& progress)
-      : path_(path),
+  VtpStream(const std::string& path, std::uint64_t memory_bytes, Threads threads,
+            Progress& progress)
+      : WaitingStream(memory_bytes),
+        path_(path),
         progress_(progress),
-        normals_(directory_of(path), memory_bytes / 3),
-        points_(directory_of(path), memory_bytes / 3),
-        corners_(directory_of(path), memory_bytes / 3) {}
+        normals_(directory_of(path), threads),
+        points_(directory_of(path), threads),
+        corners_(directory_of(path), threads) {}
 
-  Result<void> add(SurfacePiece piece) override {
-    note(piece, layout_);
-    const Surface& surface = piece.surface;
-    const std::size_t n = piece.n_new();
-    if (layout_.has_isovalues && n > 0) isovalues_.emplace_back(surface.isovalues.front(), n);
-    if (layout_.has_normals) LODE_CHECK(write_array(normals_, std::span(surface.normals).first(n)));
-    LODE_CHECK(
-        write_places(points_, surface, std::span(surface.positions).first(n), has_origin(surface)));
-    LODE_CHECK(write_numbered(piece, surface.triangles));
-    return write_numbered(piece, surface.lines);
-  }
-  void set_normals(std::span<const VertexNormal> normals) override {
-    for (const VertexNormal& n : normals)
-      normals_.replace(n.vertex * std::uint64_t{sizeof(Vec3f)},
-                       std::as_bytes(std::span(&n.normal, 1)));
-  }
-  [[nodiscard]] std::uint32_t n_vertices() const override {
-    return static_cast<std::uint32_t>(layout_.n_vertices);
-  }
   Result<void> finish(const SurfaceWriteOptions& options) override {
-    const VtpLayout arrays = make_vtp_layout(layout_, options);
-    LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path_, vtp_bytes(arrays), progress_));
-    LODE_CHECK(file.write(vtp_head(layout_, options)));
-    LODE_CHECK(file.write(vtp_piece(layout_, options, arrays)));
+    const VtpLayout arrays = make_vtp_layout(layout(), options);
+    LODE_TRY(SurfaceOutput file,
+             SurfaceOutput::create(path_, vtp_bytes(arrays), progress_, options.threads));
+    LODE_CHECK(file.write(vtp_head(layout(), options)));
+    LODE_CHECK(file.write(vtp_piece(layout(), options, arrays)));
     LODE_CHECK(write_points(file, arrays));
-    LODE_CHECK(needs_wide_indices(layout_) ? write_cells<std::int64_t>(file, arrays)
-                                           : write_cells<std::int32_t>(file, arrays));
+    LODE_CHECK(needs_wide_indices(layout()) ? write_cells<std::int64_t>(file, arrays)
+                                            : write_cells<std::int32_t>(file, arrays));
     LODE_CHECK(file.write(kVtpEnd));
     return file.commit();
   }
 
  private:
-  template <typename Cell>
-  Result<void> write_numbered(const SurfacePiece& piece, const std::vector<Cell>& cells) {
-    return write_records(corners_, cells.size(), sizeof(Cell), [&](std::size_t i, std::byte* out) {
-      put(out, numbered(piece, cells[i]));
+  template <typename Output>
+  static Result<void> write_normals(Output& output, const SurfacePiece& piece) {
+    return write_array(output, std::span(piece.surface.normals).first(piece.n_new()));
+  }
+  template <typename Output>
+  static Result<void> write_positions(Output& output, const SurfacePiece& piece) {
+    return write_places(output, piece.surface,
+                        std::span(piece.surface.positions).first(piece.n_new()),
+                        has_origin(piece.surface));
+  }
+  template <typename T, typename Output, typename Cell>
+  static Result<void> write_numbered(Output& output, const SurfacePiece& piece,
+                                     const std::vector<Cell>& cells) {
+    constexpr std::size_t kBytes = std::tuple_size_v<Cell> * sizeof(T);
+    return write_records(output, cells.size(), kBytes, [&](std::size_t i, std::byte* out) {
+      for (const std::uint32_t vertex : numbered(piece, cells[i])) put(out, static_cast<T>(vertex));
     });
   }
+  template <typename T, typename Output>
+  static Result<void> write_corners_of(Output& output, const SurfacePiece& piece) {
+    LODE_CHECK(write_numbered<T>(output, piece, piece.surface.triangles));
+    return write_numbered<T>(output, piece, piece.surface.lines);
+  }
+
+  Result<void> spool(const SurfacePiece& piece) override {
+    const std::size_t n = piece.n_new();
+    if (layout().has_isovalues && n > 0)
+      isovalues_.emplace_back(piece.surface.isovalues.front(), n);
+    if (layout().has_normals) LODE_CHECK(write_normals(normals_, piece));
+    LODE_CHECK(write_positions(points_, piece));
+    return write_corners_of<std::uint32_t>(corners_, piece);
+  }
+  void set_spooled_normal(const VertexNormal& n) override {
+    normals_.replace(n.vertex * std::uint64_t{sizeof(Vec3f)},
+                     std::as_bytes(std::span(&n.normal, 1)));
+  }
+
   Result<void> write_points(SurfaceOutput& file, const VtpLayout& arrays) {
     if (arrays.isovalues) LODE_CHECK(write_array_size(file, *arrays.isovalues));
     for (const auto& [isovalue, n] : isovalues_)
       LODE_CHECK(
           write_records(file, n, sizeof(float),
                         [value = isovalue](std::size_t, std::byte* out) { put(out, value); }));
+    if (arrays.isovalues)
+      for (const SurfacePiece& piece : pieces())
+        LODE_CHECK(write_array(file, std::span(piece.surface.isovalues).first(piece.n_new())));
     if (arrays.normals) {
       LODE_CHECK(write_array_size(file, *arrays.normals));
       LODE_CHECK(copy(normals_, file));
+      for (const SurfacePiece& piece : pieces()) LODE_CHECK(write_normals(file, piece));
     }
     LODE_CHECK(write_array_size(file, arrays.points));
-    return copy(points_, file);
+    LODE_CHECK(copy(points_, file));
+    for (const SurfacePiece& piece : pieces()) LODE_CHECK(write_positions(file, piece));
+    return {};
   }
   template <typename T>
   Result<void> write_cells(SurfaceOutput& file, const VtpLayout& arrays) {
@@ -291,16 +312,16 @@ class VtpStream : public SurfaceStream {
       std::memcpy(corners.data(), bytes.data(), bytes.size());
       return write_corners<T>(file, corners);
     }));
-    return write_offsets<T>(file, layout_, arrays);
+    for (const SurfacePiece& piece : pieces()) LODE_CHECK(write_corners_of<T>(file, piece));
+    return write_offsets<T>(file, layout(), arrays);
   }
 
   std::string path_;
   Progress& progress_;
-  SurfaceLayout layout_;
-  std::vector<std::pair<float, std::size_t>> isovalues_;  ///< Of so many vertices each.
-  SpoolBuffer normals_;
-  SpoolBuffer points_;
-  SpoolBuffer corners_;
+  std::vector<std::pair<float, std::size_t>> isovalues_;  ///< Spooled, of so many vertices each.
+  PatchedSpool normals_;
+  PatchedSpool points_;
+  PatchedSpool corners_;
 };
 
 }  // namespace
@@ -309,7 +330,8 @@ Result<void> write_vtp(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
   const SurfaceLayout counts = SurfaceLayout::of(surface, options.places);
   const VtpLayout layout = make_vtp_layout(counts, options);
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtp_bytes(layout), progress));
+  LODE_TRY(SurfaceOutput file,
+           SurfaceOutput::create(path, vtp_bytes(layout), progress, options.threads));
   LODE_CHECK(file.write(vtp_head(counts, options)));
   LODE_CHECK(file.write(vtp_piece(counts, options, layout)));
   LODE_CHECK(write_point_arrays(file, surface, options.places, layout));
@@ -320,8 +342,10 @@ Result<void> write_vtp(const std::string& path, const Surface& surface,
 }
 
 Result<std::unique_ptr<SurfaceStream>> stream_vtp(const std::string& path,
-                                                  std::uint64_t memory_bytes, Progress& progress) {
-  return std::unique_ptr<SurfaceStream>(std::make_unique<VtpStream>(path, memory_bytes, progress));
+                                                  std::uint64_t memory_bytes, Threads threads,
+                                                  Progress& progress) {
+  return std::unique_ptr<SurfaceStream>(
+      std::make_unique<VtpStream>(path, memory_bytes, threads, progress));
 }
 
 }  // namespace lode::io

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "lode/core/parallel_fill.h"
 #include "lode/mappers/point_positions.h"
 
 namespace lode {
@@ -154,8 +155,8 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts, const StitchCandida
   layout.first_new[0] = static_cast<std::uint32_t>(surface.positions.size());
   layout.first_cell[0] = cells.size();
   layout.add_up<D>(parts);
-  surface.positions.resize(layout.first_new.back());
-  cells.resize(layout.first_cell.back());
+  resize_large(surface.positions, layout.first_new.back(), threads);
+  resize_large(cells, layout.first_cell.back(), threads);
   if (origins != nullptr) origins->resize(layout.first_new.back());
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     const IsoPart<D>& part = parts[i].part;
@@ -195,11 +196,11 @@ Result<SurfacePiece> PieceStitcher<D>::join(const std::vector<StitchPart<D>>& pa
   piece.first_new = n_vertices_;
   piece.surface.origin = frame_.surface_origin;
   piece.earlier.resize(layout.first_earlier.back());
-  piece.surface.positions.resize(layout.first_new.back() + piece.earlier.size());
+  resize_large(piece.surface.positions, layout.first_new.back() + piece.earlier.size(), threads_);
   const auto has_normals = [](const StitchPart<D>& part) { return !part.normals.empty(); };
   if (std::any_of(parts.begin(), parts.end(), has_normals))
-    piece.surface.normals.resize(piece.surface.positions.size());
-  cells_of<D>(piece.surface).resize(layout.first_cell.back());
+    resize_large(piece.surface.normals, piece.surface.positions.size(), threads_);
+  resize_large(cells_of<D>(piece.surface), layout.first_cell.back(), threads_);
   parallel_for(parts.size(), threads_, 8,
                [&](std::size_t i, int) { write_part<D>(parts[i], i, layout, frame_, piece); });
   for (std::size_t i = 0; i < parts.size(); ++i)

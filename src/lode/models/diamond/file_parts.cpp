@@ -40,6 +40,26 @@ Result<void> check_errors(const store::Reader& reader, const Summary& said,
   return {};
 }
 
+/// n values to x, x + step, ... of a row of `dim`, of those that lie in it.
+template <typename T>
+void copy_spaced(const std::byte* from, std::int32_t n, std::int32_t x, std::int32_t step,
+                 std::int32_t dim, std::byte* row) {
+  const std::int32_t first = x < 0 ? (-x + step - 1) / step : 0;
+  const std::int32_t end = x < dim ? std::min(n, (dim - 1 - x) / step + 1) : 0;
+  if (first >= end) return;
+  from += as_size(first) * sizeof(T);
+  std::byte* to = row + as_size(x + first * step) * sizeof(T);
+  if (step == 1) {
+    std::memcpy(to, from, as_size(end - first) * sizeof(T));
+    return;
+  }
+  for (std::int32_t i = first; i < end; ++i) {
+    std::memcpy(to, from, sizeof(T));
+    from += sizeof(T);
+    to += as_size(step) * sizeof(T);
+  }
+}
+
 }  // namespace
 
 template <int D>
@@ -247,12 +267,9 @@ Result<void> FilePart<D>::read_samples(int level, std::span<const Index<D>> bric
           for (std::int32_t& x : p.v) x *= 1 << level;
           for (std::size_t i = 1; i < as_size(D); ++i)
             if (p[i] < 0 || p[i] >= plan_.dims[i]) return;
-          std::byte* row = flat_.samples.data();
-          const std::int32_t step = stride << level;
-          for (std::int32_t i = 0; i < n; ++i, p[0] += step)
-            if (p[0] >= 0 && p[0] < plan_.dims[0])
-              std::memcpy(row + linear_index<D>(plan_.dims, p) * sizeof(T),
-                          from + as_size(i) * sizeof(T), sizeof(T));
+          const std::int32_t x = std::exchange(p[0], 0);
+          std::byte* const row = flat_.samples.data() + linear_index<D>(plan_.dims, p) * sizeof(T);
+          copy_spaced<T>(from, n, x, stride << level, plan_.dims[0], row);
         });
   });
 }
@@ -359,12 +376,19 @@ void FilePart<D>::gather(const Index<D>& local, C* out) const {
   Index<D> rows = all_equal<D>(kLeafEdge<D>);
   rows[0] = 1;
   const bool has_holes = field_.has_holes();
+  const bool is_inside = base[0] >= 0 && base[0] + kLeafEdge<D> <= plan_.dims[0];
   visit_storage_type(field_.storage, [&]<typename T>() {
     const T* samples = reinterpret_cast<const T*>(flat_.samples.data());
     for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
       Index<D> p = flat_.clamped(base + point_of<D>(rows, r));
       p[0] = 0;
       const T* row = samples + linear_index<D>(plan_.dims, p);
+      if (is_inside && !has_holes) {
+        const T* const inside = row + base[0];
+        for (std::int32_t x = 0; x < kLeafEdge<D>; ++x) out[x] = static_cast<C>(inside[x]);
+        out += kLeafEdge<D>;
+        continue;
+      }
       for (std::int32_t x = 0; x < kLeafEdge<D>; ++x) {
         const T sample = row[std::clamp(base[0] + x, 0, plan_.dims[0] - 1)];
         const bool is_hole = has_holes && field_.is_hole(static_cast<double>(sample));

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "lode/core/uninitialized_array.h"
 #include "lode/models/diamond/lattice_field.h"
 
 namespace lode::diamond {
@@ -13,7 +14,7 @@ namespace lode::diamond {
 /// Samples of a box of a field, on a lattice of their own.
 template <int D>
 struct FlatField : LatticeField<D, FlatField<D>> {
-  std::vector<std::byte> samples;  ///< x fastest.
+  UninitializedArray<std::byte> samples;  ///< x fastest.
 
   [[nodiscard]] double value(const Index<D>& p) const {
     const std::size_t at = linear_index<D>(this->shape.dims, this->clamped(p));

@@ -9,24 +9,23 @@
 #include <string>
 #include <vector>
 
+#include "lode/core/parallel.h"
 #include "lode/io/spool_file.h"
 
 namespace lode::io {
 
-/// Bytes that are appended, and read once: in memory as long as they are few, in a nameless file
-/// beyond that.
-class SpoolBuffer {
+/// Bytes that are appended to a nameless file, and read once; some may be replaced in between.
+class PatchedSpool {
  public:
-  /// The file would be in `directory`.
-  SpoolBuffer(std::string directory, std::size_t memory_bytes)
-      : directory_(std::move(directory)), memory_bytes_(memory_bytes) {}
+  /// The file comes to `directory` with the first bytes. threads: see write_records().
+  PatchedSpool(std::string directory, Threads threads)
+      : directory_(std::move(directory)), threads_(threads) {}
 
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   static constexpr std::size_t kMostReplaced = 12;
   /// Reading will find these bytes at `offset`, so many at most. Not a second time the same ones.
   void replace(std::uint64_t offset, std::span<const std::byte> bytes);
-  [[nodiscard]] std::uint64_t size() const { return size_; }
-  [[nodiscard]] bool is_on_disk() const { return file_.has_value(); }
+  [[nodiscard]] Threads threads() const { return threads_; }
 
   /// Calls use(bytes) for one piece after the other, of whole records.
   [[nodiscard]] Result<void> read(
@@ -40,13 +39,10 @@ class SpoolBuffer {
     std::uint32_t n_bytes = 0;
   };
 
-  [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out) const;
-
   std::string directory_;
-  std::size_t memory_bytes_;
+  Threads threads_;
   std::uint64_t size_ = 0;
-  std::vector<std::vector<std::byte>> chunks_;  ///< Full but for the last one.
-  std::optional<SpoolFile> file_;               ///< Then all is there.
+  std::optional<SpoolFile> file_;  ///< Once there are bytes.
   std::vector<Patch> patches_;
 };
 
