@@ -27,8 +27,7 @@ class FlatPatch {
     const Vec3d up = cross(normal, right);
     for (std::size_t i = 0; i < at(n_); ++i) {
       const Vec3d& p = patch.ring[i];
-      points_[i] = {dot(right, p), dot(up, p)};
-      heights_[i] = dot(normal, p);
+      points_[i] = {dot(right, p), dot(up, p), dot(normal, p)};
     }
     is_seen_ = shows_old() && shows_new();
   }
@@ -48,12 +47,20 @@ class FlatPatch {
   struct Point {
     double x;
     double y;
+    double height;
   };
 
   [[nodiscard]] static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] static double turn(const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; }
+  [[nodiscard]] static bool turns_left(const Point& a, const Point& b) {
+    return turn(a, b) > kLeastSeen * std::sqrt(square(a) * square(b));
+  }
+  [[nodiscard]] static double square(const Point& a) {
+    return a.x * a.x + a.y * a.y + a.height * a.height;
+  }
   [[nodiscard]] Point from_first(std::size_t i) const {
-    return {points_[i].x - points_[0].x, points_[i].y - points_[0].y};
+    return {points_[i].x - points_[0].x, points_[i].y - points_[0].y,
+            points_[i].height - points_[0].height};
   }
   /// Of the old triangles, each from one corner of the ring to the next.
   [[nodiscard]] int n_sides() const { return is_closed_ ? n_ : n_ - 1; }
@@ -61,7 +68,7 @@ class FlatPatch {
   /// All old triangles turn to the left, and less than once round the origin until the last.
   [[nodiscard]] bool shows_old() const {
     for (int i = 0; i < n_sides(); ++i)
-      if (!(turn(points_[at(i)], points_[at((i + 1) % n_)]) > 0)) return false;
+      if (!turns_left(points_[at(i)], points_[at((i + 1) % n_)])) return false;
     for (int i = 1; i + 1 < n_; ++i)
       if (turn(points_[0], points_[at(i)]) < 0 && turn(points_[0], points_[at(i + 1)]) >= 0)
         return false;
@@ -70,7 +77,7 @@ class FlatPatch {
   /// With the same outline as the old ones, they lie side by side if all turn to the left.
   [[nodiscard]] bool shows_new() const {
     for (int i = 1; i + 1 < n_; ++i)
-      if (!(turn(from_first(at(i)), from_first(at(i + 1))) > 0)) return false;
+      if (!turns_left(from_first(at(i)), from_first(at(i + 1)))) return false;
     return true;
   }
   /// From the new triangle that the origin is in, if there is one.
@@ -85,7 +92,7 @@ class FlatPatch {
       const double inside = std::min({a, b, c});
       if (!(inside > most_inside)) continue;
       most_inside = inside;
-      height = std::abs(a * heights_[0] + b * heights_[i] + c * heights_[i + 1]);
+      height = std::abs(a * points_[0].height + b * points_[i].height + c * points_[i + 1].height);
     }
     return height;
   }
@@ -96,14 +103,13 @@ class FlatPatch {
     const double s = turn(points_[0], along) / turns;
     const double t = turn(points_[0], points_[old_end]) / turns;
     if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1)) return 0;
-    return std::abs(s * heights_[old_end] - (heights_[0] + t * (heights_[new_end] - heights_[0])));
+    return std::abs(s * points_[old_end].height - (points_[0].height + t * along.height));
   }
 
   int n_;
   bool is_closed_;
   bool is_seen_ = false;
   std::array<Point, Star::kMaxLink> points_;
-  std::array<double, Star::kMaxLink> heights_;
 };
 
 double cosine(const Vec3d& a, const Vec3d& b) { return dot(a, b) / (length(a) * length(b)); }

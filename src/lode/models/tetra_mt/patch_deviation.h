@@ -7,6 +7,11 @@
 
 namespace lode::tetra_mt {
 
+/// A triangle is seen along a direction if its area there is more than so much of the product of
+/// two of its edges' lengths. Edge-on that is nothing but rounding, by which no two triangles can
+/// be held against each other.
+inline constexpr double kLeastSeen = 1e-8;
+
 /// A disc of triangles round the origin, the vertex that goes, by the other corners in their order;
 /// the first is the one that it goes into.
 struct Patch {

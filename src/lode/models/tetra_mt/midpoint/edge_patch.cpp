@@ -8,6 +8,7 @@
 #include <span>
 
 #include "lode/core/expects.h"
+#include "lode/models/tetra_mt/patch_deviation.h"
 #include "lode/models/tetra_mt/star.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -26,6 +27,14 @@ using SeenEdge = std::array<Seen, 2>;
 
 double turn(const Seen& at, const Seen& a, const Seen& b) {
   return (a.x - at.x) * (b.y - at.y) - (a.y - at.y) * (b.x - at.x);
+}
+
+Vec3d between(const Seen& from, const Seen& to) {
+  return {{to.x - from.x, to.y - from.y, to.height - from.height}};
+}
+
+bool turns_left(const Seen& at, const Seen& a, const Seen& b) {
+  return turn(at, a, b) > kLeastSeen * length(between(at, a)) * length(between(at, b));
 }
 
 /// Sees points along the mean normal of triangles.
@@ -87,7 +96,7 @@ bool is_fan(std::span<const SeenTriangle> fan) {
   const Seen& at = fan[0][0];
   const Seen& begin = fan[0][1];
   for (std::size_t i = 0; i < fan.size(); ++i) {
-    if (!(turn(at, fan[i][1], fan[i][2]) > 0)) return false;
+    if (!turns_left(at, fan[i][1], fan[i][2])) return false;
     const bool is_last = i + 1 == fan.size();
     if (!is_last && turn(at, begin, fan[i][1]) < 0 && turn(at, begin, fan[i][2]) >= 0) return false;
   }
@@ -136,7 +145,7 @@ double edge_patch_deviation(const EdgePatch& patch, double limit) {
   bool is_seen = true;
   visit_old(patch, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
     before.push_back({view(a), view(b), view(c)});
-    is_seen = is_seen && turn(before.back()[0], before.back()[1], before.back()[2]) > 0;
+    is_seen = is_seen && turns_left(before.back()[0], before.back()[1], before.back()[2]);
   });
   if (!is_seen) return kUnknown;
   const Seen first = view(patch.first);
