@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -146,6 +147,26 @@ TEST(tetra_verification_of_moving_boundaries, excuses_no_errors_that_are_stated_
     const auto names = ball.failures(1, 0.1);
     EXPECT_TRUE(std::ranges::find(names, "boundary of random cuts where it was") != names.end())
         << tolerance;
+  }
+}
+
+/// A cube turned, with a linear field: floats put vertices of its flat boundary beside each other's
+/// planes, where F' is continued from the cells, by which nothing is off.
+TEST(tetra_verification_of_oblique_boundaries, allows_what_rounding_to_floats_leaves_outside) {
+  for (const double angle : {0.3, 0.7, 1.1}) {
+    TetraMesh mesh = oracles::noise_mesh(5, oracles::Cut::in_six, 3);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      Vec3d& p = mesh.positions[v];
+      const Vec3d turned{{std::cos(angle) * p[0] - std::sin(angle) * p[1],
+                          std::sin(angle) * p[0] + std::cos(angle) * p[1], p[2]}};
+      p = {{turned[0], std::cos(angle) * turned[1] - std::sin(angle) * turned[2],
+            std::sin(angle) * turned[1] + std::cos(angle) * turned[2]}};
+      for (std::size_t k = 0; k < 3; ++k) p[k] = static_cast<float>(p[k]);
+      mesh.fields[0].values[v] = dot(p, Vec3d{{1, 2, 3}});
+    }
+    const Hierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_LT(hierarchy.base.size(), mesh.tetrahedra.size() / 2);
+    EXPECT_EQ(failed_checks(hierarchy, mesh), std::vector<std::string>()) << angle;
   }
 }
 

@@ -18,6 +18,7 @@ struct VertexFinding {
   bool is_in_range = false;
   bool is_within_stated = false;
   double error = std::numeric_limits<double>::infinity();  ///< The least.
+  double certain = error;                                  ///< Likewise, less what rounding may be.
   double stated = 0;                                       ///< The largest.
   double distance = 0;
 };
@@ -84,10 +85,11 @@ class VertexSearch {
     }
     const double error = std::abs(there);
     const StatedFacts& stated = stated_[cell];
+    const double certain = error - 4 * slack * (high - low);
     finding.error = std::min(finding.error, error);
+    finding.certain = std::min(finding.certain, certain);
     finding.stated = std::max(finding.stated, stated.error);
-    finding.is_within_stated =
-        finding.is_within_stated || error <= stated.error + 4 * slack * (high - low);
+    finding.is_within_stated = finding.is_within_stated || certain <= stated.error;
     finding.is_in_range =
         finding.is_in_range || (stated.range.low <= value && value <= stated.range.high);
   }
@@ -111,6 +113,7 @@ void add_finding(const VertexFinding& finding, std::size_t vertex, double allowa
   errors.n_above_stated += is_found && !finding.is_within_stated ? 1 : 0;
   errors.n_out_of_range += is_found && !finding.is_in_range ? 1 : 0;
   if (is_found) errors.largest = std::max(errors.largest, finding.error);
+  if (is_found) errors.largest_certain = std::max(errors.largest_certain, finding.certain);
   errors.largest_stated = std::max(errors.largest_stated, finding.stated);
   if (!errors.first.empty()) return;
   if (is_far)
@@ -131,6 +134,7 @@ void TetraCutErrors::append(const TetraCutErrors& later) {
   n_outside += later.n_outside;
   n_far_outside += later.n_far_outside;
   largest = std::max(largest, later.largest);
+  largest_certain = std::max(largest_certain, later.largest_certain);
   largest_stated = std::max(largest_stated, later.largest_stated);
   farthest_outside = std::max(farthest_outside, later.farthest_outside);
   if (first.empty()) first = later.first;

@@ -18,6 +18,7 @@ struct TetraCutErrors {
   std::uint64_t n_outside = 0;       ///< Of all cells, by more than rounding;
   std::uint64_t n_far_outside = 0;   ///< and of these farther than the boundary may move.
   double largest = 0;                ///< |F - F'|.
+  double largest_certain = 0;        ///< Less what rounding may be.
   double largest_stated = 0;         ///< By a cell.
   double farthest_outside = 0;       ///< World units.
   std::string first;                 ///< What is wrong with the first that something is.

@@ -339,7 +339,7 @@ Result<void> CutVerifier::measure(std::size_t number, std::optional<double> shar
   const TetraCutErrors errors = measure_errors(vertices_, cells, moved(), threads_);
   constexpr double kRounding = 1e-9;  // Of F', as a share of the range.
   const bool is_kept =
-      errors.largest <= achieved + kRounding * (field.range_max - field.range_min) &&
+      errors.largest_certain <= achieved + kRounding * (field.range_max - field.range_min) &&
       (!share || achieved <= *share * field.base_error);
   report.add(named(share ? fmt::format("errors at {} of the base's", *share) : "errors of the base",
                    number),
