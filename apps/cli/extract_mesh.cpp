@@ -125,6 +125,7 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   Made made = to_made(report, !options.query.max_error, report.n_cells);
+  warn_of_boxes(options.query.boxes, input.info.volume.grid.world_bounds(), session);
   warn_of_shortcomings(session, made);
   if (mesh.is_empty()) session.warn("the mesh is empty: the data has no cell without a hole");
   const Stopwatch watch;

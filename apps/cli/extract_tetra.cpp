@@ -251,6 +251,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
            apply_warp(job.query.warp, job.reading, session.threads(), mesh));
   warn_of_inverted(session, n_inverted);
   warn_of_budget(session, report);
+  warn_of_boxes(options.query.boxes, input.dataset.describe().bounds, session);
   warn_of_empty(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(mesh.attributes);
@@ -371,6 +372,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   LODE_TRY(const std::uint64_t n_inverted, count_turned(input, job, wanted, session));
   warn_of_inverted(session, n_inverted);
   warn_of_budget(session, report);
+  warn_of_boxes(wanted.mesh.query.boxes, input.dataset.describe().bounds, session);
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(surface.attributes);

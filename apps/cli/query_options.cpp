@@ -283,6 +283,23 @@ Result<void> check_outside(const Query& query) {
       "--ball, --half-space, --section or --view, outside of which it holds");
 }
 
+void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session) {
+  const auto to_text = [](const Box3d& box) {
+    return fmt::format("{},{},{},{},{},{}", format_number(box.lower[0]),
+                       format_number(box.upper[0]), format_number(box.lower[1]),
+                       format_number(box.upper[1]), format_number(box.lower[2]),
+                       format_number(box.upper[2]));
+  };
+  for (const Box3d& box : boxes) {
+    bool is_beside = false;
+    for (std::size_t i = 0; i < 3; ++i)
+      is_beside = is_beside || box.upper[i] < bounds.lower[i] || box.lower[i] > bounds.upper[i];
+    if (is_beside)
+      session.warn(fmt::format("--box {}: nothing of the data is in it, which are in {}",
+                               to_text(box), to_text(bounds)));
+  }
+}
+
 Result<void> check_view_size(const QueryArguments& arguments) {
   if (arguments.view_size.empty() || !arguments.view.empty()) return {};
   return fail("--view-size: expected --view with it");

@@ -71,6 +71,9 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 
+/// Of those that lie beside all data.
+void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session);
+
 /// Of boxes and the like, values and budget. `answer`: what asks for it, in messages. The view's
 /// camera and the transfer function are in files.
 [[nodiscard]] Result<Query> to_query(const QueryArguments& arguments,

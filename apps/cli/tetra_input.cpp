@@ -362,6 +362,13 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
   if (!made) return fail("{}{}", made.error().message, why);
   if (!made->report.nonfinite.empty()) {
     const NonfiniteField& field = made->report.nonfinite.front();
+    for (const AveragedField& of_cells : made->report.averaged)
+      if (of_cells.name == field.name && of_cells.n_nonfinite_cells > 0)
+        return fail(
+            "{}: field {}: expected finite values, got {} that {} not, the first at cell {} "
+            "(from 0)",
+            path, field.name, of_cells.n_nonfinite_cells,
+            of_cells.n_nonfinite_cells > 1 ? "are" : "is", of_cells.first_nonfinite);
     return fail(
         "{}: field {}: expected finite values, got {} that {} not, the first at point {} "
         "(from 0)",

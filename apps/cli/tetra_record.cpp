@@ -46,8 +46,9 @@ std::string row_of(const NonfiniteField& field) {
                      format_count(field.n_values), field.first);
 }
 std::string row_of(const AveragedField& field) {
-  return fmt::format("{}: largest size {} at cells, {} at points", field.name,
-                     format_number(field.cell_peak), format_number(field.point_peak));
+  return fmt::format("{}: {} to {} at cells, {} to {} at points", field.name,
+                     format_number(field.cell_min), format_number(field.cell_max),
+                     format_number(field.point_min), format_number(field.point_max));
 }
 
 void add_nonfinite(const TetraReport& report, Json& json) {
@@ -65,8 +66,11 @@ void add_nonfinite(const TetraReport& report, Json& json) {
 void add_averaged(const TetraReport& report, Json& json) {
   json["averaged"] = Json::array();
   for (const AveragedField& field : report.averaged)
-    json["averaged"].push_back(
-        {{"field", field.name}, {"cell_peak", field.cell_peak}, {"point_peak", field.point_peak}});
+    json["averaged"].push_back({{"field", field.name},
+                                {"cell_min", field.cell_min},
+                                {"cell_max", field.cell_max},
+                                {"point_min", field.point_min},
+                                {"point_max", field.point_max}});
 }
 
 std::vector<TetraBuildRecord::Note> notes_of(const TetraReport& report) {

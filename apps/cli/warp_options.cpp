@@ -75,8 +75,7 @@ Result<void> check_warp(const WarpArguments& arguments) {
 }
 
 ReadingArguments with_warp(ReadingArguments reading, const WarpArguments& arguments) {
-  for (std::size_t i = 0; i < 3 && arguments.is_wanted(); ++i)
-    reading.with.push_back(component_of(arguments, i));
+  if (arguments.is_wanted()) reading.with.push_back(arguments.field + ":xyz");
   return reading;
 }
 

@@ -197,6 +197,8 @@ TEST_F(cli_tetra_fields, deform) {
             0);
   refused({"extract", model, out_, "--mesh", "--scale", "2"}, "--warp");
   refused({"extract", model, out_, "--mesh", "--warp", "heat"}, "heat:0");
+  refused({"extract", mesh_, out_, "--mesh", "--field", "noise", "--warp", "noise"},
+          "expected a field of three components, noise has 1");
   refused({"extract", model, out_, "--mesh", "--warp", "shift", "--scale", "much"}, "--scale");
 }
 

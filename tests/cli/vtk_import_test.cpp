@@ -148,8 +148,8 @@ TEST_F(vtk_import_of, foam_cases_has_polyhedra_and_values_of_cells) {
   EXPECT_EQ(info.at("reading").at("patch_faces"), 40);
   EXPECT_EQ(info.at("reading").at("new_points"), 2);
   // The means of our own rule: 100 of the step and at most 12.5 in the corner's cell.
-  EXPECT_EQ(info.at("reading").at("averaged")[0].at("cell_peak"), 112.5);
-  EXPECT_EQ(info.at("reading").at("averaged")[0].at("point_peak"), 112.5);
+  EXPECT_EQ(info.at("reading").at("averaged")[0].at("cell_max"), 112.5);
+  EXPECT_EQ(info.at("reading").at("averaged")[0].at("point_max"), 112.5);
   const TetraMesh mesh = extracted(input, {"--field", "p"}).mesh;
   EXPECT_NEAR(volumes_of(mesh).at(0), 16, 1e-9);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {

@@ -70,8 +70,8 @@ TEST(tetra_fields, of_cells_are_means_weighted_by_volume) {
     EXPECT_NEAR(outcome.mesh.fields[0].values[i], expected[i], 1e-14);
   ASSERT_EQ(outcome.report.averaged.size(), 1U);
   EXPECT_EQ(outcome.report.averaged[0].name, "p");
-  EXPECT_EQ(outcome.report.averaged[0].cell_peak, 8);
-  EXPECT_EQ(outcome.report.averaged[0].point_peak, 8);
+  EXPECT_EQ(outcome.report.averaged[0].cell_max, 8);
+  EXPECT_EQ(outcome.report.averaged[0].point_max, 8);
 }
 
 TEST(tetra_fields, of_cells_have_the_peaks_of_those_in_the_mesh) {
@@ -80,8 +80,23 @@ TEST(tetra_fields, of_cells_have_the_peaks_of_those_in_the_mesh) {
   test::add_cell(mesh, CellType::tetrahedron, {0, 1, 1, 2});
   for (MeshField& field : mesh.cell_fields) field.values.insert(field.values.end(), {900, 800});
   const TetraReport report = tetrahedra_of(mesh, {.fields = {"p"}}).report;
-  EXPECT_EQ(report.averaged.at(0).cell_peak, 8);
-  EXPECT_EQ(report.averaged.at(0).point_peak, 8);
+  EXPECT_EQ(report.averaged.at(0).cell_min, -4);
+  EXPECT_EQ(report.averaged.at(0).cell_max, 8);
+  EXPECT_EQ(report.averaged.at(0).point_min, -4);
+  EXPECT_EQ(report.averaged.at(0).point_max, 8);
+  EXPECT_EQ(report.averaged.at(0).n_nonfinite_cells, 0U);
+}
+
+TEST(tetra_fields, of_cells_that_are_not_finite_are_told_by_cell) {
+  CellMesh mesh = field_mesh();
+  for (MeshField& field : mesh.cell_fields)
+    if (field.name == "p") field.values[1] = std::numeric_limits<double>::infinity();
+  const TetraReport report = tetrahedra_of(mesh, {.fields = {"p"}}).report;
+  EXPECT_EQ(report.averaged.at(0).n_nonfinite_cells, 1U);
+  EXPECT_EQ(report.averaged.at(0).first_nonfinite, 1U);
+  EXPECT_EQ(report.averaged.at(0).cell_min, 8);
+  EXPECT_EQ(report.averaged.at(0).cell_max, 8);
+  EXPECT_EQ(report.nonfinite.at(0).n_values, 4U);
 }
 
 TEST(tetra_fields, of_cells_without_volume_are_means_all_the_same) {

@@ -97,8 +97,8 @@ TEST(real_tetrahedra, of_quadratic_cells_take_their_values_from_cells) {
   EXPECT_EQ(report.n_components, 1U);
   EXPECT_EQ(report.n_zero_volume + report.n_inverted, 0U);
   ASSERT_EQ(report.averaged.size(), 1U);
-  EXPECT_NEAR(report.averaged[0].cell_peak, 23.269, 1e-3);
-  EXPECT_LE(report.averaged[0].point_peak, report.averaged[0].cell_peak);
+  EXPECT_NEAR(report.averaged[0].cell_max, 23.269, 1e-3);
+  EXPECT_LE(report.averaged[0].point_max, report.averaged[0].cell_max);
   const auto corners =
       real_tetrahedra("fea_kiefer_56786quadtets.vtu", {.quadratic = QuadraticCells::corners});
   EXPECT_EQ(corners->mesh.tetrahedra.size(), 56786U);

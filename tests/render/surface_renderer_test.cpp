@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "lode/render/ray_scene.h"
 #include "tests/render/shapes.h"
 
 namespace lode {
@@ -52,6 +53,17 @@ double covered_pixels(const Image& image) {
   double sum = 0;
   for (const Color& pixel : image.pixels) sum += pixel.a / 255.0;
   return sum;
+}
+
+/// The longest run of covered pixels in a row.
+int longest_run(const Image& image) {
+  int longest = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0, n = 0; x < image.width; ++x) {
+      n = image.at(x, y).a > 127 ? n + 1 : 0;
+      longest = std::max(longest, n);
+    }
+  return longest;
 }
 
 double lightness(const Color& pixel) {
@@ -220,6 +232,23 @@ TEST(surface_renderer, draws_contour_lines_from_above_with_their_width) {
   const double radius_px = 0.4 * options.height / 1.06;
   EXPECT_NEAR(covered_pixels(image) / (2 * std::numbers::pi * radius_px * 3), 1, 0.05);
   EXPECT_EQ(image.at(80, 60).a, 0);
+}
+
+TEST(surface_renderer, draws_lines_without_length_as_round_dots) {
+  Surface dots;
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    dots.positions.push_back(
+        {{10 + 23.0F * static_cast<float>(i % 4), 11 + 23.0F * static_cast<float>(i / 4), 7}});
+    dots.lines.push_back({i, i});
+  }
+  const Box3d bounds{{{0, 0, 7}}, {{100, 100, 7}}};
+  RenderOptions options = small_options();
+  options.background = kTransparent;
+  options.line_width_px = 2;
+  const Image image = render(dots, bounds, options);
+  const double radius_px = kDotRadius * options.line_width_px / 2;
+  EXPECT_NEAR(covered_pixels(image) / (16 * std::numbers::pi * radius_px * radius_px), 1, 0.05);
+  EXPECT_NEAR(longest_run(image), 2 * radius_px, 1);
 }
 
 TEST(surface_renderer, uses_given_normals_and_survives_useless_ones) {

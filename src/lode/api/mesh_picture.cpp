@@ -68,7 +68,7 @@ std::vector<std::array<std::uint32_t, 2>> edges_of(const SimplexMesh& mesh) {
   return edges;
 }
 
-/// Edges are lines, and vertices lines too short to see.
+/// Edges are lines, and vertices lines without length.
 void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, OpaqueSurface& opaque) {
   Surface& all = opaque.surface;
   const auto first = static_cast<std::uint32_t>(all.positions.size());
@@ -83,13 +83,8 @@ void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, Opaqu
   std::vector<bool> is_used(n);
   for (const auto& cell : mesh.tetrahedra)
     for (const std::uint32_t v : cell) is_used[v] = true;
-  const float step = static_cast<float>(rounding_margin(mesh.positions, all.origin));
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (!is_used[v]) continue;
-    all.lines.push_back({first + v, static_cast<std::uint32_t>(all.positions.size())});
-    all.positions.push_back(all.positions[first + v] + Vec3f{{step, 0, 0}});
-    opaque.colors.per_vertex.push_back(to_linear(kLineColor));
-  }
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (is_used[v]) all.lines.push_back({first + v, first + v});
 }
 
 }  // namespace

@@ -62,6 +62,9 @@ Result<FieldChoice> parse_choice(const CellMesh& mesh, const std::string& text) 
   if (choice.field == nullptr)
     return fail("{}: expected a field of the mesh ({}), got {}", mesh.path, list_names(mesh),
                 in_quotes(text));
+  if (choice.field->n_components == 1 && *component != 0)
+    return fail("{}: expected no component of the field {}, which is a scalar, got {}", mesh.path,
+                in_quotes(choice.field->name), *component);
   if (*component < 0 || *component >= choice.field->n_components)
     return fail("{}: expected a component from 0 to {} of the field {}, got {}", mesh.path,
                 choice.field->n_components - 1, in_quotes(choice.field->name), *component);
@@ -150,12 +153,36 @@ struct PointMean {
   [[nodiscard]] double value() const { return weight > 0 ? weighted / weight : sum / n; }
 };
 
-/// Of the cells that tetrahedra are of.
-double peak_of(const SplitCells& split, const std::vector<CellRun>& runs,
-               const std::vector<double>& values) {
-  double peak = 0;
-  for (const CellRun& run : runs) peak = std::max(peak, std::abs(values[split.cells[run.begin]]));
-  return peak;
+/// The least and the largest of what comes, of finite numbers.
+struct FiniteRange {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  void put(double& least, double& largest) const {
+    if (!(low <= high)) return;
+    least = low;
+    largest = high;
+  }
+};
+
+/// What is said of the cells that tetrahedra are of.
+AveragedField describe(const SplitCells& split, const std::vector<CellRun>& runs,
+                       const MeshField& field) {
+  AveragedField averaged{.name = field.name};
+  FiniteRange range;
+  for (const CellRun& run : runs) {
+    const std::uint32_t cell = split.cells[run.begin];
+    range.add(field.values[cell]);
+    if (!std::isfinite(field.values[cell]) && averaged.n_nonfinite_cells++ == 0)
+      averaged.first_nonfinite = cell;
+  }
+  range.put(averaged.cell_min, averaged.cell_max);
+  return averaged;
 }
 
 }  // namespace
@@ -187,7 +214,8 @@ void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, Ch
     if (chosen.is_of_cells[f] == 0) continue;
     MeshField& field = chosen.fields[f];
     std::vector<PointMean> means(points.size());
-    AveragedField averaged{.name = field.name, .cell_peak = peak_of(split, runs, field.values)};
+    AveragedField averaged = describe(split, runs, field);
+    FiniteRange range;
     for (const CellRun& run : runs)
       for (const std::uint32_t point : points_of(split, run))
         means[point].add(field.values[split.cells[run.begin]], run.volume);
@@ -195,8 +223,9 @@ void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, Ch
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (means[i].n == 0) continue;
       field.values[i] = means[i].value();
-      averaged.point_peak = std::max(averaged.point_peak, std::abs(field.values[i]));
+      range.add(field.values[i]);
     }
+    range.put(averaged.point_min, averaged.point_max);
     field.type = ScalarType::float64;
     chosen.is_of_cells[f] = 0;
     report.averaged.push_back(averaged);

@@ -36,8 +36,12 @@ struct TetraOptions {
 /// What averaging over cells did to a field.
 struct AveragedField {
   std::string name;
-  double cell_peak = 0;   ///< Largest |value| at cells that are in the mesh.
-  double point_peak = 0;  ///< And at points.
+  double cell_min = 0;  ///< Of finite values at cells that are in the mesh; 0 of none.
+  double cell_max = 0;
+  double point_min = 0;  ///< And at points.
+  double point_max = 0;
+  std::uint64_t n_nonfinite_cells = 0;
+  std::uint64_t first_nonfinite = 0;  ///< Of the cells that were read, from 0.
 };
 
 /// A field that is not a finite number everywhere.

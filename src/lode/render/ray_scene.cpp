@@ -136,6 +136,8 @@ class RayScene::Impl {
   void normalize_positions();
   Result<void> attach_triangles();
   Result<void> attach_lines();
+  Result<void> attach_segments(std::vector<std::uint32_t>& lines);
+  Result<void> attach_dots();
   SceneHit triangle_hit(const RTCRayHit& found, const Vec3f& direction) const;
   SceneHit line_hit(const RTCRayHit& found, const Vec3f& position) const;
 
@@ -147,7 +149,10 @@ class RayScene::Impl {
   std::span<const Vec3f> normals_;
   Device device_;
   Scene scene_;
+  std::vector<std::uint32_t> segments_;  ///< Lines by their number in their geometry,
+  std::vector<std::uint32_t> dots_;      ///< and those that are points, likewise.
   unsigned triangles_id_ = RTC_INVALID_GEOMETRY_ID;
+  unsigned dots_id_ = RTC_INVALID_GEOMETRY_ID;
 };
 
 void RayScene::Impl::normalize_positions() {
@@ -178,9 +183,19 @@ Result<void> RayScene::Impl::attach_triangles() {
   return {};
 }
 
-// A round segment takes two consecutive vertices, so each line gets its own two.
 Result<void> RayScene::Impl::attach_lines() {
-  const std::size_t n = surface_.lines.size();
+  std::vector<std::uint32_t> lines;
+  for (std::uint32_t i = 0; i < surface_.lines.size(); ++i) {
+    const auto& [a, b] = surface_.lines[i];
+    (a == b ? dots_ : lines).push_back(i);
+  }
+  LODE_CHECK(attach_segments(lines));
+  return attach_dots();
+}
+
+// A round segment takes two consecutive vertices, so each line gets its own two.
+Result<void> RayScene::Impl::attach_segments(std::vector<std::uint32_t>& lines) {
+  const std::size_t n = lines.size();
   if (n == 0) return {};
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE);
   auto* const ends = static_cast<float*>(rtcSetNewGeometryBuffer(
@@ -192,7 +207,7 @@ Result<void> RayScene::Impl::attach_lines() {
     return embree_error(device_.get(), "lines");
   }
   for (std::size_t i = 0; i < 2 * n; ++i) {
-    const Vec3f& p = positions_[surface_.lines[i / 2][i % 2]];
+    const Vec3f& p = positions_[surface_.lines[lines[i / 2]][i % 2]];
     std::copy(p.v.begin(), p.v.end(), ends + 4 * i);
     ends[4 * i + 3] = static_cast<float>(options_.line_radius);
     firsts[i / 2] = static_cast<std::uint32_t>(i / 2 * 2);
@@ -201,6 +216,30 @@ Result<void> RayScene::Impl::attach_lines() {
   const unsigned id = rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   if (id == RTC_INVALID_GEOMETRY_ID) return embree_error(device_.get(), "adding lines");
+  segments_ = std::move(lines);
+  return {};
+}
+
+// Segments that are far shorter than wide are drawn wrong.
+Result<void> RayScene::Impl::attach_dots() {
+  const std::size_t n = dots_.size();
+  if (n == 0) return {};
+  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  auto* const balls = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), n));
+  if (balls == nullptr) {
+    rtcReleaseGeometry(geometry);
+    return embree_error(device_.get(), "points");
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3f& p = positions_[surface_.lines[dots_[i]][0]];
+    std::copy(p.v.begin(), p.v.end(), balls + 4 * i);
+    balls[4 * i + 3] = static_cast<float>(kDotRadius * options_.line_radius);
+  }
+  rtcCommitGeometry(geometry);
+  dots_id_ = rtcAttachGeometry(scene_.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  if (dots_id_ == RTC_INVALID_GEOMETRY_ID) return embree_error(device_.get(), "adding points");
   return {};
 }
 
@@ -266,10 +305,12 @@ SceneHit RayScene::Impl::triangle_hit(const RTCRayHit& found, const Vec3f& direc
 }
 
 SceneHit RayScene::Impl::line_hit(const RTCRayHit& found, const Vec3f& position) const {
-  const auto& line = surface_.lines[found.hit.primID];
+  const bool is_dot = found.hit.geomID == dots_id_;
+  const auto& line = surface_.lines[(is_dot ? dots_ : segments_)[found.hit.primID]];
   SceneHit hit;
   hit.position = position;
-  hit.color = colors_.at(line[0]) * (1 - found.hit.u) + colors_.at(line[1]) * found.hit.u;
+  const float along = is_dot ? 0 : found.hit.u;
+  hit.color = colors_.at(line[0]) * (1 - along) + colors_.at(line[1]) * along;
   hit.is_line = true;
   return hit;
 }

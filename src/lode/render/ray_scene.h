@@ -36,6 +36,9 @@ struct SceneHit {
   bool is_line = false;    ///< Drawn flat: no light falls on contour lines.
 };
 
+/// Lines from a vertex to itself are balls, of so many radii of lines.
+inline constexpr double kDotRadius = 2.5;
+
 struct SceneOptions {
   Normalization normalization;
   double line_radius = 0.001;  ///< Normalised units.
