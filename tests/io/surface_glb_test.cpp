@@ -84,6 +84,15 @@ TEST(glb_file, counts_positions_that_lie_far_away_from_one_of_them) {
   ASSERT_TRUE(read);
   for (std::uint32_t v = 0; v < 3; ++v)
     EXPECT_EQ(read->world_position(v), surface.world_position(v));
+  // What rounding may be of them is that of where they lie.
+  EXPECT_EQ(read->positions, surface.positions);
+  EXPECT_EQ(read->origin, surface.origin);
+  surface.origin = {{1e9, 0.1, -7}};
+  const auto moved = read_bytes(".glb", written_bytes(surface));
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->positions, surface.positions);
+  EXPECT_EQ(moved->origin, surface.origin);
+  surface.origin = {};
   // Where floats do not have the differences they stay as they are.
   surface.positions = {{{8e6F, 0.1F, 0}}, {{8.001e6F, 1.0F, 0}}, {{8e6F, 1.0F, 0}}};
   EXPECT_EQ(written_bytes(surface).find("translation"), std::string::npos);
@@ -146,7 +155,8 @@ TEST(glb_file, refuses_json_of_other_shapes) {
            of_nodes(turned, R"({"mesh":0}],"meshes":[{"primitives":{}})"),
            of_nodes(turned, R"({"mesh":0}],"meshes":[{"primitives":[{"attributes":[]}]})"),
            of_nodes(turned, R"({"scale":[2,2,2]})"),
-           of_nodes(turned, R"({"translation":["a",0,0]})")})
+           of_nodes(turned, R"({"translation":["a",0,0]})"),
+           of_nodes(turned, R"({"mesh":0,"extras":{"lode_origin":[0,0,0],"lode_first":[0]}})")})
     EXPECT_NE(complaint_about(".glb", make_glb(json, 4)), "") << json;
 }
 

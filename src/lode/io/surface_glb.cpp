@@ -34,6 +34,10 @@ constexpr std::size_t kFileHeadBytes = 12;
 /// Of the outer node, column by column: glTF's up is y, which our z becomes.
 constexpr std::array<double, 16> kTurn{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
 
+/// Extras of the inner node.
+constexpr const char* kOriginKey = "lode_origin";
+constexpr const char* kFirstKey = "lode_first";
+
 /// Where kTurn has what becomes of x, y and z.
 constexpr std::array<std::size_t, 3> kAxes{0, 6, 9};
 
@@ -61,12 +65,13 @@ struct GlbArrays {
 struct NearPositions {
   std::vector<Vec3f> moved{};  ///< Empty: the surface's own.
   Vec3d origin;
+  Vec3f first;  ///< The one that moved ones are counted from.
 
   /// Renderers compute with floats: where a surface lies far from its origin, its vertices are
   /// counted from one of them, if that loses nothing.
   explicit NearPositions(const Surface& surface) : origin(surface.origin) {
     if (surface.positions.empty() || !is_far(surface.positions)) return;
-    const Vec3f first = surface.positions.front();
+    first = surface.positions.front();
     moved.reserve(surface.positions.size());
     for (const Vec3f& p : surface.positions) {
       Vec3f near;
@@ -147,6 +152,10 @@ std::string describe(const Surface& surface, const NearPositions& near,
   json node = json::object();
   if (near.origin != Vec3d{{0, 0, 0}})
     node["translation"] = {near.origin[0], near.origin[1], near.origin[2]};
+  // What reading puts back, as rounding is that of the surface's own positions.
+  if (!near.moved.empty())
+    node["extras"] = {{kOriginKey, {surface.origin[0], surface.origin[1], surface.origin[2]}},
+                      {kFirstKey, {near.first[0], near.first[1], near.first[2]}}};
   json document = {
       {"asset",
        {{"version", "2.0"},
@@ -324,19 +333,37 @@ Result<const json*> inner_node(const std::string& path, const json& document) {
   return &nodes->back();
 }
 
+Result<Vec3d> read_vector(const std::string& path, const json& array, const std::string& name) {
+  Vec3d vector;
+  if (!array.is_array() || array.size() != 3) return not_ours(path, name + " of three numbers");
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!array[k].is_number()) return not_ours(path, name + " of three numbers");
+    vector[k] = array[k].get<double>();
+  }
+  return vector;
+}
+
+/// Positions that were counted from one of them are as they were before.
+Result<void> put_back(const std::string& path, const json& node, Surface& surface) {
+  const json* extras = member(node, "extras");
+  const json* origin = extras != nullptr ? member(*extras, kOriginKey) : nullptr;
+  const json* first = extras != nullptr ? member(*extras, kFirstKey) : nullptr;
+  if (origin == nullptr || first == nullptr) return {};
+  LODE_TRY(surface.origin, read_vector(path, *origin, kOriginKey));
+  LODE_TRY(const Vec3d from, read_vector(path, *first, kFirstKey));
+  for (Vec3f& p : surface.positions)
+    for (std::size_t k = 0; k < 3; ++k)
+      p[k] = static_cast<float>(static_cast<double>(p[k]) + from[k]);
+  return {};
+}
+
 Result<void> read_translation(const std::string& path, const json& node, Surface& surface) {
   for (const char* key : {"matrix", "rotation", "scale", "children"})
     if (member(node, key) != nullptr)
       return not_ours(path, fmt::format("a node without \"{}\"", key));
   const json* translation = member(node, "translation");
   if (translation == nullptr) return {};
-  if (!translation->is_array() || translation->size() != 3)
-    return not_ours(path, "a translation of three numbers");
-  for (std::size_t k = 0; k < 3; ++k) {
-    const json& component = (*translation)[k];
-    if (!component.is_number()) return not_ours(path, "a translation of three numbers");
-    surface.origin[k] = component.get<double>();
-  }
+  LODE_TRY(surface.origin, read_vector(path, *translation, "a translation"));
   return {};
 }
 
@@ -350,6 +377,7 @@ Result<Surface> read_document(const std::string& path, const json& document,
   const json* primitive = mesh == nullptr ? nullptr : only_entry(member(*mesh, "primitives"));
   if (primitive == nullptr) return not_ours(path, "one mesh of one primitive");
   LODE_CHECK(read_primitive(path, document, data, *primitive, surface));
+  LODE_CHECK(put_back(path, *node, surface));
   LODE_CHECK(check_surface(path, surface));
   return surface;
 }
