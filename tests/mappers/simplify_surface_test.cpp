@@ -233,6 +233,31 @@ TEST(simplify_surface, leaves_an_oblique_border_alone) {
   EXPECT_LT(simple.triangles.size(), 600U);  // of 800
 }
 
+/// A ball just inside a box, which is turned and whose edges have other units than positions.
+TEST(simplify_surface, does_not_leave_its_domain) {
+  constexpr double kRadius = 7;
+  constexpr double kBeyond = 0.05;
+  const double c = std::cos(0.4);
+  const double s = std::sin(0.4);
+  ConvexDomain domain{{{{{3 * c, 3 * s, 0}}, {{-s, c, 0}}, {{0, 0, 0.2}}}}, {}, {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    domain.at[i] = (kRadius + kBeyond) * length(domain.along[i]);
+    domain.most[i] = 2 * domain.at[i];
+  }
+  const auto outside_of = [&](const SimplifyOptions& options) {
+    Surface surface = make_sphere(24, kRadius, {{0, 0, 0}});
+    Progress progress;
+    const auto report = simplify_surface(surface, options, progress);
+    EXPECT_TRUE(report);
+    EXPECT_LT(surface.triangles.size(), 400U);
+    return std::ranges::count_if(surface.positions, [&](const Vec3f& p) {
+      return !domain.has({{p[0], p[1], p[2]}});
+    });
+  };
+  EXPECT_GT(outside_of({.max_distance = 1}), 0);
+  EXPECT_EQ(outside_of({.max_distance = 1, .domain = &domain}), 0);
+}
+
 TEST(simplify_surface, keeps_what_meets_itself_already) {
   Surface surface = make_sphere(20, 5, {{0, 0, 0}});
   append(surface, make_sphere(20, 5, {{3, 0.1, 0.2}}));

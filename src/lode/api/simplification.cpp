@@ -8,6 +8,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/band_components.h"
 #include "lode/mappers/lattice_frame.h"
+#include "lode/mappers/zero_normals.h"
 #include "lode/models/diamond/cube_deviation.h"
 #include "lode/models/diamond/field_band.h"
 
@@ -169,6 +170,32 @@ SimplifyOptions simplify_options_of(const ExtractOptions& options, const Simplif
   return simplify;
 }
 
+/// Where the field has values, but for holes, and what was not clipped, of positions counted from
+/// `origin`; larger by their rounding.
+ConvexDomain domain_of(const RegularGrid& grid, const ExtractOptions& options,
+                       const Vec3d& origin) {
+  const Mat3 m = grid.index_to_world_matrix();
+  const Mat3 c = cofactors(m);
+  const bool is_clipped = options.clip && grid.has_world_axes();
+  const double rounding = coordinate_rounding(grid);
+  ConvexDomain domain;
+  for (std::size_t i = 0; i < 3; ++i) {
+    domain.along[i] = c.column(i) * (1 / determinant(m));
+    double low = 0;
+    double high = grid.dims[i] - 1;
+    if (is_clipped) {
+      const double a = grid.to_index(options.clip->lower)[i];
+      const double b = grid.to_index(options.clip->upper)[i];
+      low = std::max(low, std::min(a, b));
+      high = std::min(high, std::max(a, b));
+    }
+    const double slack = rounding * length(domain.along[i]);
+    domain.at[i] = dot(domain.along[i], origin - grid.origin) - low + slack;
+    domain.most[i] = high - low + 2 * slack;
+  }
+  return domain;
+}
+
 void add_start(const SimplifyStart& start, const ExtractOptions& options, SimplifyReport& report) {
   if (start.distance == 0) return;
   report.max_distance = *options.simplify_distance;
@@ -187,7 +214,10 @@ Result<void> simplify(const Dataset::Impl& impl, const ExtractOptions& options,
   }
   SimplifyOptions simplify = simplify_options_of(options, start);
   simplify.band = band.get();
+  const ConvexDomain domain = domain_of(impl.info().grid, options, surface.origin);
+  simplify.domain = &domain;
   LODE_TRY(report.simplified, simplify_surface(surface, simplify, progress));
+  fill_zero_normals(surface, options.threads);  // of those whose mean is none
   report.simplified->components_dropped = dropped.components;
   report.simplified->triangles_dropped = dropped.cells;
   add_start(start, options, *report.simplified);

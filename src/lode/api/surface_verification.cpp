@@ -20,6 +20,7 @@
 #include "lode/models/diamond/level_set_check.h"
 #include "lode/models/diamond/model_samples.h"
 #include "lode/models/diamond/side_check.h"
+#include "lode/models/diamond/surface_coordinates.h"
 
 namespace lode {
 namespace {
@@ -238,6 +239,23 @@ Result<void> add_held_to(const Surface& surface, const Surface& before, const Su
                       options.threads, progress, report);
 }
 
+/// Triangles between vertices that are inside are, too.
+void add_domain(const RegularGrid& grid, const Surface& surface, const ExtractOptions& options,
+                VerifyReport& report) {
+  const auto clip = grid.has_world_axes() ? options.clip : std::nullopt;
+  const diamond::SurfaceCoordinates coordinates(grid, surface, clip, options.threads);
+  std::uint64_t n_outside = 0;
+  std::uint32_t first = 0;
+  for (std::uint32_t v = 0; v < coordinates.size(); ++v)
+    if (coordinates.is_outside(v) && n_outside++ == 0) first = v;
+  std::string detail;
+  if (n_outside > 0) {
+    const Vec3d p = surface.world_position(first);
+    detail = fmt::format("{} outside; first: {}, {}, {}", n_outside, p[0], p[1], p[2]);
+  }
+  report.add("vertices in the volume", coordinates.size(), n_outside, std::move(detail));
+}
+
 template <int D>
 Result<void> add_simplified(const Model<D>& model, const Surface& surface,
                             const ExpectedSurface& expected, const ExtractOptions& options,
@@ -247,6 +265,8 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
     LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
     LODE_CHECK(add_sides(model, surface, options.isovalues.front(), expected.tolerance,
                          options.threads, progress, report));
+  } else {
+    add_domain(model.info.grid, surface, options, report);
   }
   // Cubes of coarse cells are near no others.
   const Surface* const full =

@@ -10,6 +10,7 @@
 #include "lode/core/progress.h"
 #include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/quadric.h"
+#include "lode/mappers/simplify_surface.h"
 #include "lode/mappers/surface_band.h"
 
 namespace lode::simplification {
@@ -34,6 +35,7 @@ struct BlockLimits {
   /// box.
   bool is_piece = false;
   Vec3f lower, upper;
+  const ConvexDomain* domain = nullptr;  ///< Where vertices move to is inside; null: no matter.
 };
 
 /// Numbers of some vertices, below kMost, which are all forgotten at once.

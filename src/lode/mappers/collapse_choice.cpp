@@ -77,8 +77,9 @@ bool BlockSimplifier::may_collapse(std::uint32_t v, std::uint32_t other) const {
 
 /// As it will be stored.
 bool BlockSimplifier::may_lie_at(const Vec3f& position) const {
-  if (!limits_.is_piece) return true;
   const Vec3f p = centre_ + position;
+  if (limits_.domain != nullptr && !limits_.domain->has({{p[0], p[1], p[2]}})) return false;
+  if (!limits_.is_piece) return true;
   for (std::size_t i = 0; i < 3; ++i)
     if (!(limits_.lower[i] < p[i] && p[i] < limits_.upper[i])) return false;
   return true;

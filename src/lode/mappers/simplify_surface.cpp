@@ -158,7 +158,8 @@ Result<void> Simplifier::collapse(int pass) {
       .longest2 = static_cast<float>(options_.longest_edge * options_.longest_edge),
       .is_piece = numbers_ != nullptr,
       .lower = lower,
-      .upper = upper};
+      .upper = upper,
+      .domain = options_.domain};
   const std::span<const Round> rounds =
       pass == 0 ? std::span<const Round>(kFirstRounds) : std::span<const Round>(kLaterRounds);
   for (std::size_t i = 0; i < rounds.size(); ++i) {
@@ -329,6 +330,11 @@ Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options
   scaled.longest_edge = units.to_units(options.longest_edge);
   std::optional<ScaledBand> band;
   if (options.band != nullptr) scaled.band = &band.emplace(*options.band, units.from_units(1));
+  std::optional<ConvexDomain> domain;
+  if (options.domain != nullptr) {
+    scaled.domain = &domain.emplace(*options.domain);
+    for (Vec3d& along : domain->along) along = along * units.from_units(1);
+  }
   LODE_TRY(SimplifyReport report, Simplifier(surface, scaled, numbers, progress).run());
   report.max_distance = options.max_distance;
   if (options.band != nullptr) report.max_error = options.band->limit();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -12,12 +13,28 @@
 
 namespace lode {
 
+/// A box that may be oblique: 0 <= dot(along[i], p) + at[i] <= most[i] of all points p in it.
+struct ConvexDomain {
+  std::array<Vec3d, 3> along;
+  Vec3d at;
+  Vec3d most;
+
+  [[nodiscard]] bool has(const Vec3d& p) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = dot(along[i], p) + at[i];
+      if (!(x >= 0 && x <= most[i])) return false;
+    }
+    return true;
+  }
+};
+
 struct SimplifyOptions {
   double max_distance = 0;            ///< > 0, in the unit of positions; infinite only with a band.
   const SurfaceBand* band = nullptr;  ///< That the surface lies in, and is to stay in.
   /// Only edges up to this length collapse: with that of max_distance slivers that have a short
   /// edge go, and triangles beside them change shape.
   double longest_edge = std::numeric_limits<double>::infinity();
+  const ConvexDomain* domain = nullptr;  ///< Of positions, that vertices which move may not leave.
   Threads threads = {};
 };
 
@@ -53,6 +70,7 @@ struct SimplifyReport {
 /// result, whatever the input's shape:
 /// - no point of either surface is farther than `max_distance` from the other, and than
 ///   `proven_distance`, where that is finite;
+/// - in a domain, nothing is outside of it where nothing was;
 /// - with a band, triangles that are not the input's lie in it, and no sample outside it is on
 ///   another side of the surface than before;
 /// - it is homeomorphic to the input, component by component (the link condition, edge by edge), so
