@@ -291,6 +291,7 @@ SurfaceWriteOptions note_of(const ExtractReport& report, const std::vector<doubl
 void add_job(const ExtractReport& report, const ExtractOptions& options, const Input& input,
              Session& session, Totals& totals) {
   totals.add(report);
+  warn_of_coordinates(session, input.info.volume.grid);
   warn_of_open(session, report);
   warn_of_persistence(session, report, options);
   warn_of_unmet(session, report, options, input.info);

@@ -128,6 +128,30 @@ void append(VerifyReport& report, VerifyReport more) {
                        std::make_move_iterator(more.checks.end()));
 }
 
+/// Files of several isovalues are of one surface, or, where each was extracted by itself, of one
+/// each.
+Result<VerifyReport> verify_surfaces(const std::vector<std::string>& paths, const Dataset& dataset,
+                                     const ExtractOptions& options, Session& session) {
+  Progress& progress = session.progress();
+  if (paths.size() == 1 || dataset.takes_several_isovalues(options)) {
+    LODE_TRY(const Surface surface, paths.size() == 1
+                                        ? read_surface(paths.front())
+                                        : read_isovalue_files(paths, options.isovalues));
+    return dataset.verify_surface(surface, options, progress);
+  }
+  VerifyReport report;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    ExtractOptions alone = options;
+    alone.isovalues = {options.isovalues[i]};
+    LODE_TRY(const Surface surface, read_surface(paths[i]));
+    LODE_TRY(VerifyReport one, dataset.verify_surface(surface, alone, progress));
+    for (VerifyReport::Check& check : one.checks)
+      check.name = fmt::format("{}: {}", options.isovalues[i], check.name);
+    append(report, std::move(one));
+  }
+  return report;
+}
+
 Result<void> verify_model(const VerifyArguments& arguments, Session& session,
                           VerifyReport& report) {
   LODE_TRY(const ExtractOptions asked, options_of(arguments));
@@ -141,11 +165,7 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
     set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
               options.max_error);
     options.threads = session.threads();
-    LODE_TRY(const Surface surface,
-             arguments.surfaces.size() == 1
-                 ? read_surface(arguments.surface())
-                 : read_isovalue_files(arguments.surfaces, options.isovalues));
-    LODE_TRY(of_surface, input.dataset.verify_surface(surface, options, session.progress()));
+    LODE_TRY(of_surface, verify_surfaces(arguments.surfaces, input.dataset, options, session));
   }
   if (!arguments.original.empty()) {
     LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));

@@ -213,11 +213,42 @@ void warn_of_persistence(Session& session, const ExtractReport& report,
       report.topology->persistence, *options.keep_topology));
 }
 
+void warn_of_coordinates(Session& session, const RegularGrid& grid) {
+  constexpr double kMany = 1.0 / 64;
+  const double steps = coordinate_step(grid);
+  if (steps > kMany)
+    session.warn(fmt::format(
+        "coordinates are {:.2g} of the least spacing apart where the data lie: vertices may be at "
+        "one place, and triangles meet",
+        steps));
+}
+
+namespace {
+
+/// Why there are no cells that a surface could meet; null where there are some.
+const char* why_no_cells(const DatasetInfo& info) {
+  std::uint64_t n_cells = 1;
+  int n_thin = 0;
+  for (const std::int32_t n : info.volume.grid.dims.v) {
+    n_thin += n == 1 ? 1 : 0;
+    n_cells *= static_cast<std::uint64_t>(std::max(1, n - 1));
+  }
+  if (n_thin > 1) return "data of one sample along two axes have no cells";
+  if (info.range_min == info.range_max) return "the field has one value";
+  if (info.n_removed_cells >= n_cells) return "each cell has a hole at one of its corners";
+  return nullptr;
+}
+
+}  // namespace
+
 void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractOptions& options,
                    const DatasetInfo& info) {
   const bool is_cropped = options.clip || options.min_component > 0;
   const bool is_all_holes =
       info.n_holes == static_cast<std::uint64_t>(info.volume.grid.n_samples());
+  const bool is_flat =
+      std::ranges::find(info.volume.grid.dims.v, 1) != info.volume.grid.dims.v.end();
+  const char* const no_cells = why_no_cells(info);
   for (const double isovalue : report.unmet) {
     if (is_all_holes) {
       session.warn(fmt::format("no surface at isovalue {}: the field has no finite sample{}",
@@ -232,9 +263,12 @@ void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractO
       why = "it meets nothing that persists as --keep-topology asks";
     else if (is_in_range && is_cropped)
       why = "nothing of it is left by --clip and --min-component";
+    else if (is_in_range && is_coarse && !is_kept && is_flat)
+      why = "nothing of it is left within the tolerance: a smaller one keeps it";
     else if (is_in_range && is_coarse && !is_kept)
       why =
           "nothing of it is left within the tolerance: a smaller one, or --keep-topology, keeps it";
+    if (no_cells != nullptr) why = no_cells;
     session.warn(fmt::format("no surface at isovalue {}: {} (values run from {} to {})", isovalue,
                              why, info.range_min, info.range_max));
   }

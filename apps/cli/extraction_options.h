@@ -47,6 +47,8 @@ void warn_of_open(Session& session, const ExtractReport& report);
 /// Warns where a surface is simplified within an error that is less than the persistence.
 void warn_of_persistence(Session& session, const ExtractReport& report,
                          const ExtractOptions& options);
+/// Warns where coordinates do not tell vertices apart.
+void warn_of_coordinates(Session& session, const RegularGrid& grid);
 /// Warns of each isovalue without a surface, naming the value range or the options that may have
 /// removed it.
 void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractOptions& options,

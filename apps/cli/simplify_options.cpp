@@ -38,12 +38,12 @@ namespace {
 Result<void> apply_max_distance(double distance, ExtractOptions& options) {
   static constexpr const char* kExpected =
       "--max-distance: expected no {} with it unless --simplify or --remove-slivers is, {}";
+  if (options.border == Border::closed)
+    return fail("--max-distance: expected no --close-border with it, as caps are not proven");
   if (options.style == SurfaceStyle::cubes)
     return fail(kExpected, "--style cubes",
                 "as it is of full resolution already; how far cubes may be from the level set says "
                 "--style-distance");
-  if (options.border == Border::closed)
-    return fail(kExpected, "--close-border", "as caps are not proven");
   if (options.clip) return fail(kExpected, "--clip", "whose planes part what lies near");
   if (options.min_component > 1)
     return fail(kExpected, "--min-component", "which would drop parts of the surface");

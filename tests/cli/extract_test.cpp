@@ -346,5 +346,38 @@ TEST_F(cli_extract, says_where_the_tolerance_has_left_nothing) {
   EXPECT_EQ(warned("100", "0").find("no surface"), std::string::npos);
 }
 
+TEST_F(cli_extract, says_where_there_are_no_cells) {
+  const std::string line = scratch_ / "line.nrrd";
+  write_nrrd(line, {{9, 1, 1}}, [](int x, int, int) { return 10 * x; });
+  const std::string even = scratch_ / "even.nrrd";
+  write_nrrd(even, {{5, 5, 5}}, [](int, int, int) { return 7; });
+  const auto warned = [&](const std::string& input, const char* isovalue) {
+    return run_lode({"extract", input, scratch_ / "b.ply", "--isovalue", isovalue}).err;
+  };
+  EXPECT_NE(warned(line, "35").find("one sample along two axes"), std::string::npos);
+  EXPECT_NE(warned(even, "7").find("the field has one value"), std::string::npos);
+}
+
+TEST_F(cli_extract, says_where_coordinates_are_too_coarse_or_none) {
+  const std::string raw = scratch_ / "noise.raw";
+  {
+    std::ofstream file(raw, std::ios::binary);
+    for (int i = 0; i < 512; ++i) file.put(static_cast<char>(i * 37 % 251));
+  }
+  const auto run = [&](const char* spacing, const std::string& origin) {
+    return run_lode({"extract", raw, scratch_ / "n.ply", "--dims", "8x8x8", "--type", "uint8",
+                     "--spacing", spacing, "--origin=" + origin, "--isovalue", "100", "--max-error",
+                     "0"});
+  };
+  EXPECT_EQ(run("1,1,1", "0,0,0").err.find("coordinates"), std::string::npos);
+  EXPECT_EQ(run("1,1,1", "5e6,0,0").err.find("coordinates"), std::string::npos);
+  const Finished coarse = run("1e-6,1e-6,1e-6", "1e9,0,0");
+  EXPECT_EQ(coarse.exit_code, 0);
+  EXPECT_NE(coarse.err.find("vertices may be at one place"), std::string::npos) << coarse.err;
+  const Finished huge = run("1e38,1e38,1e38", "0,0,0");
+  EXPECT_EQ(huge.exit_code, 1);
+  EXPECT_NE(huge.err.find("no larger than"), std::string::npos) << huge.err;
+}
+
 }  // namespace
 }  // namespace lode::test

@@ -177,6 +177,20 @@ TEST_F(cli_simplify, within_an_error_leaves_fewer_triangles_and_is_verified) {
   EXPECT_NE(strict.err.find("|F - isovalue| <= tolerance"), std::string::npos) << strict.err;
 }
 
+TEST_F(cli_simplify, several_within_an_error_are_verified_one_by_one) {
+  const std::vector<std::string> query = {"--isovalue", "90",          "--isovalue", "120",
+                                          "--simplify", "--max-error", "4"};
+  ASSERT_EQ(extract("q.obj", query).exit_code, 0);
+  std::vector<std::string> verify{"verify",         volume(),    "--surface",
+                                  file("q-90.obj"), "--surface", file("q-120.obj")};
+  verify.insert(verify.end(), query.begin(), query.end());
+  const Finished good = run_lode(verify);
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_NE(good.out.find("120: samples beyond the tolerance"), std::string::npos) << good.out;
+  std::swap(verify[3], verify[5]);
+  EXPECT_EQ(run_lode(verify).exit_code, 1);
+}
+
 TEST_F(cli_simplify, by_itself_is_within_the_default_error_and_says_so) {
   const Finished run = extract("s.ply", {"--isovalue", "100", "--simplify"});
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -59,9 +59,6 @@ void add_kept_pieces(const Surface& surface, const Surface& before, Threads thre
              fmt::format("{} pieces of {}", found.size(), wanted.size()));
 }
 
-namespace {
-
-/// The triangles of one isovalue; all vertices.
 Surface part_of(const Surface& surface, float isovalue) {
   Surface part;
   part.origin = surface.origin;
@@ -70,6 +67,8 @@ Surface part_of(const Surface& surface, float isovalue) {
     if (surface.isovalues[t[0]] == isovalue) part.triangles.push_back(t);
   return part;
 }
+
+namespace {
 
 /// Of each isovalue by itself, as what is near may be of another one, where vertices tell theirs.
 Result<SurfaceDistance> measure_by_isovalue(const Surface& surface, const Surface& other,

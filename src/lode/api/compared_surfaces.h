@@ -17,6 +17,9 @@ namespace lode {
 /// float32, world units.
 [[nodiscard]] double file_rounding(const Surface& a, const Surface& b);
 
+/// The triangles of one isovalue; all vertices. Vertices have isovalues.
+[[nodiscard]] Surface part_of(const Surface& surface, float isovalue);
+
 /// Compares what kinds of pieces there are.
 void add_pieces(const Surface& surface, const Surface& other, const char* whose, Threads threads,
                 VerifyReport& report);

@@ -46,6 +46,10 @@ struct DatasetInfo {
   std::vector<LevelInfo> levels;
 };
 
+/// How far apart numbers are that surfaces have for coordinates, in the grid's smallest steps: of
+/// float32 where they are counted from, or of float64 in the world, whichever is more.
+[[nodiscard]] double coordinate_step(const RegularGrid& grid);
+
 /// Blocks of a file, and all bytes, header and directory included; what is read twice counts twice.
 struct FileReads {
   std::uint64_t blocks = 0;

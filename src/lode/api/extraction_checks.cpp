@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/distance_extraction.h"
 #include "lode/api/simplification.h"
 #include "lode/api/topology_extraction.h"
+#include "lode/mappers/lattice_frame.h"
 
 namespace lode {
 namespace {
@@ -22,6 +24,20 @@ Result<void> check_is_volume(const Dataset::Impl& impl, const ExtractOptions& op
   return fail("{}: expected a volume, got a flat image, whose contours are lines", asked);
 }
 
+Result<void> check_coordinates(const RegularGrid& grid) {
+  constexpr double kMost = std::numeric_limits<float>::max() / 16;
+  const Vec3d origin = LatticeFrame::of(grid).surface_origin;
+  const Box3d bounds = grid.world_bounds();
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const double x : {bounds.lower[i] - origin[i], bounds.upper[i] - origin[i]})
+      if (!(std::abs(x) <= kMost))
+        return fail(
+            "expected a volume no larger than {:.2g}, whose surfaces have coordinates in float32, "
+            "got one up to {:.2g}",
+            kMost, std::abs(x));
+  return {};
+}
+
 /// Two surfaces in one place are of no use.
 Result<void> check_each_once(std::vector<double> isovalues) {
   std::sort(isovalues.begin(), isovalues.end());
@@ -31,6 +47,15 @@ Result<void> check_each_once(std::vector<double> isovalues) {
 }
 
 }  // namespace
+
+double coordinate_step(const RegularGrid& grid) {
+  const Box3d bounds = grid.world_bounds();
+  double largest = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    largest = std::max({largest, std::abs(bounds.lower[i]), std::abs(bounds.upper[i])});
+  const double step = std::ranges::min(grid.spacing.v);
+  return std::max(LatticeFrame::of(grid).rounding, 0x1p-52 * largest / step);
+}
 
 Result<void> check_extract_options(const ExtractOptions& options) {
   if (options.isovalues.empty()) return fail("expected at least one isovalue, got none");
@@ -63,6 +88,7 @@ Result<void> check_extraction(const Dataset::Impl& impl, const ExtractOptions& o
   LODE_CHECK(check_extract_options(options));
   LODE_CHECK(check_simplify(options, tolerance_of(impl.summary().stats, options)));
   LODE_CHECK(check_each_once(options.isovalues));
+  LODE_CHECK(check_coordinates(impl.info().grid));
   return check_is_volume(impl, options);
 }
 

@@ -55,14 +55,30 @@ void add_topology(const Surface& surface, const diamond::PinchPlaces& pinches, T
                                describe_vertex(surface, t.duplicate_vertices.first[1])));
 }
 
-void add_crossings(const Surface& surface, const SelfIntersectionReport& crossings,
-                   VerifyReport& report) {
-  report.add("no self-intersection", crossings.n_candidates, crossings.n_intersections,
-             crossings.n_intersections == 0
-                 ? "0 pairs meet"
-                 : fmt::format("{} pairs meet; first: {} and {}", crossings.n_intersections,
-                               describe_cell(surface, crossings.first[0]),
-                               describe_cell(surface, crossings.first[1])));
+/// Cubes of several isovalues may meet, those of one do not.
+Result<void> add_crossings(const Surface& surface, const ExtractOptions& options,
+                           Progress& progress, VerifyReport& report) {
+  std::uint64_t n_candidates = 0;
+  std::uint64_t n_meetings = 0;
+  std::string first;
+  const auto look_at = [&](const Surface& part) -> Result<void> {
+    LODE_TRY(const auto found, check_self_intersections(part, options.threads, progress));
+    n_candidates += found.n_candidates;
+    if (found.n_intersections > 0 && n_meetings == 0)
+      first = fmt::format("; first: {} and {}", describe_cell(part, found.first[0]),
+                          describe_cell(part, found.first[1]));
+    n_meetings += found.n_intersections;
+    return {};
+  };
+  const bool is_by_isovalue = options.style == SurfaceStyle::cubes &&
+                              options.isovalues.size() > 1 && !surface.isovalues.empty() &&
+                              surface.lines.empty();
+  if (!is_by_isovalue) LODE_CHECK(look_at(surface));
+  for (std::size_t i = 0; i < options.isovalues.size() && is_by_isovalue; ++i)
+    LODE_CHECK(look_at(part_of(surface, static_cast<float>(options.isovalues[i]))));
+  report.add(is_by_isovalue ? "no self-intersection of any isovalue" : "no self-intersection",
+             n_candidates, n_meetings, fmt::format("{} pairs meet{}", n_meetings, first));
+  return {};
 }
 
 /// What breaks a rule of the level set, or the largest deviation.
@@ -318,8 +334,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   const diamond::ModelSamples<D> samples(model);
   const diamond::BoundaryOptions ends{.clip = options.clip, .threads = options.threads};
   add_topology(surface, diamond::PinchPlaces(samples, surface, ends), options.threads, report);
-  LODE_TRY(const auto crossings, check_self_intersections(surface, options.threads, progress));
-  add_crossings(surface, crossings, report);
+  LODE_CHECK(add_crossings(surface, options, progress, report));
   if (options.simplify != Simplify::off) {  // no level set any more, but near one
     LODE_CHECK(add_simplified(model, surface, expected, options, progress, report));
     return note_cubes(model, surface, expected, options, progress, std::move(report));
