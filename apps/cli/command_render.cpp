@@ -5,6 +5,7 @@
 #include "command.h"
 #include "extraction_options.h"
 #include "input.h"
+#include "lode/api/creased_caps.h"
 #include "outputs.h"
 #include "parse.h"
 #include "render_path.h"
@@ -241,6 +242,8 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
   warn_of_open(session, rendering.extraction);
   warn_of_unmet(session, rendering.extraction, extraction, input.info);
+  if (extraction.border == Border::closed)
+    crease_caps(input.info.volume.grid, options.threads, surface);
   OutputSet frames({});
   if (arguments.progressive.is_wanted()) {
     LODE_TRY(const int n, to_frames_per_step(arguments.progressive));

@@ -53,6 +53,16 @@ Result<void> apply_max_distance(double distance, ExtractOptions& options) {
 
 }  // namespace
 
+Result<void> check_simplify_range(const ExtractOptions& options, double range_min,
+                                  double range_max) {
+  if (options.simplify == Simplify::off || options.simplify_distance || range_min < range_max ||
+      options.max_error.value_or(0) > 0)
+    return {};
+  return fail(
+      "--simplify: expected --max-distance, or --max-error in the field's unit, with it, as the "
+      "field has one value: shares of its range are 0");
+}
+
 Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractOptions& options) {
   if (!arguments.is_wanted() && arguments.max_distance.empty()) return {};
   if (arguments.simplifies && arguments.removes_slivers)

@@ -23,6 +23,10 @@ struct SimplifyArguments {
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);
 
+/// Refuses a share of a range that is none.
+[[nodiscard]] Result<void> check_simplify_range(const ExtractOptions& options, double range_min,
+                                                double range_max);
+
 /// Checks them against the others, and sets the distance: max_distance, or simplify_distance. What
 /// is simplified is of full resolution unless a max_error is set.
 [[nodiscard]] Result<void> apply_simplify_options(const SimplifyArguments& arguments,

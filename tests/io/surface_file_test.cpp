@@ -175,14 +175,6 @@ TEST_P(surface_formats, keep_small_surfaces_far_from_zero_without_an_origin) {
   Surface torus = make_torus(6);
   for (Vec3f& p : torus.positions) p[0] = p[0] * 1e-3F + 3000.1F;
   const Surface read = written_and_read(extension(), torus);
-  if (extension() == ".glb") {  // whose readers add to positions in floats
-    const Vec3f& first = torus.positions.front();
-    EXPECT_EQ(read.origin, (Vec3d{{first[0], first[1], first[2]}}));
-    EXPECT_EQ(read.triangles, torus.triangles);
-    for (std::uint32_t v = 0; v < torus.positions.size(); ++v)
-      ASSERT_EQ(read.world_position(v), torus.world_position(v));
-    return;
-  }
   EXPECT_EQ(read.origin, Vec3d{});
   EXPECT_EQ(corners_of(read), corners_of(torus));
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "lode/api/creased_caps.h"
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
 #include "tests/oracles/random.h"
@@ -259,6 +260,38 @@ TEST(close_border, is_the_border_itself_where_nothing_is_below) {
   const Case image = case_of(grid_with({{9, 12, 1}}), [](const Index3&) { return 7.0F; });
   EXPECT_EQ(extract(image, closed_at(5, 0)).lines.size(), 4U);
   EXPECT_TRUE(extract(image, closed_at(8, 0)).is_empty());
+}
+
+/// In pictures: a slope in a box, whose caps have their planes' normals and the slope its own.
+TEST(close_border, has_creases_round_its_caps_where_they_are_wanted) {
+  RegularGrid grid;
+  grid.dims = {{9, 8, 7}};
+  grid.spacing = {{0.5, 1, 2}};
+  const Case c = case_of(
+      grid, [](const Index3& p) { return static_cast<float>(p[0] - 0.3 * p[1] + 0.2 * p[2]); });
+  const Surface closed = extract(c, closed_at(3.1, 0));
+  Surface creased = closed;
+  crease_caps(grid, {2}, creased);
+  ASSERT_EQ(creased.triangles.size(), closed.triangles.size());
+  EXPECT_GT(creased.positions.size(), closed.positions.size());
+  EXPECT_EQ(creased.normals.size(), creased.positions.size());
+  EXPECT_EQ(creased.isovalues.size(), creased.positions.size());
+  std::size_t n_caps = 0;
+  for (std::size_t i = 0; i < closed.triangles.size(); ++i) {
+    const auto& t = creased.triangles[i];
+    const Vec3f a = creased.positions[t[0]];
+    const Vec3f across =
+        normalized(cross(creased.positions[t[1]] - a, creased.positions[t[2]] - a));
+    const bool is_cap = std::ranges::count(across.v, 0.0F) == 2;
+    n_caps += is_cap ? 1 : 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(creased.positions[t[k]], closed.positions[closed.triangles[i][k]]);
+      // Slivers of the slope are turned by the rounding of their corners.
+      EXPECT_GT(dot(creased.normals[t[k]], across), is_cap ? 0.999F : 0.9F);
+      if (!is_cap) EXPECT_EQ(t[k], closed.triangles[i][k]);
+    }
+  }
+  EXPECT_GT(n_caps, 50U);
 }
 
 TEST(close_border, closes_contour_lines_along_the_image_border) {

@@ -24,7 +24,8 @@ Result<void> check_is_volume(const Dataset::Impl& impl, const ExtractOptions& op
   return fail("{}: expected a volume, got a flat image, whose contours are lines", asked);
 }
 
-Result<void> check_coordinates(const RegularGrid& grid) {
+Result<void> check_coordinates(const Dataset::Impl& impl) {
+  const RegularGrid& grid = impl.info().grid;
   constexpr double kMost = std::numeric_limits<float>::max() / 16;
   const Vec3d origin = LatticeFrame::of(grid).surface_origin;
   const Box3d bounds = grid.world_bounds();
@@ -32,9 +33,9 @@ Result<void> check_coordinates(const RegularGrid& grid) {
     for (const double x : {bounds.lower[i] - origin[i], bounds.upper[i] - origin[i]})
       if (!(std::abs(x) <= kMost))
         return fail(
-            "expected a volume no larger than {:.2g}, whose surfaces have coordinates in float32, "
-            "got one up to {:.2g}",
-            kMost, std::abs(x));
+            "{}expected a volume no larger than {:.2g}, whose surfaces have coordinates in "
+            "float32, got one up to {:.2g}",
+            impl.path().empty() ? "" : impl.path() + ": ", kMost, std::abs(x));
   return {};
 }
 
@@ -88,7 +89,7 @@ Result<void> check_extraction(const Dataset::Impl& impl, const ExtractOptions& o
   LODE_CHECK(check_extract_options(options));
   LODE_CHECK(check_simplify(options, tolerance_of(impl.summary().stats, options)));
   LODE_CHECK(check_each_once(options.isovalues));
-  LODE_CHECK(check_coordinates(impl.info().grid));
+  LODE_CHECK(check_coordinates(impl));
   return check_is_volume(impl, options);
 }
 

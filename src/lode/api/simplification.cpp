@@ -89,11 +89,8 @@ Result<void> check_simplify(const ExtractOptions& options, double tolerance) {
     return fail("simplifying: expected an open border, whose planes caps would leave");
   if (!has_band(options, tolerance)) {
     if (options.simplify_distance) return {};
-    return fail(
-        "simplifying: expected a finite error > 0 or a distance, got an error of {}, as a share of "
-        "a "
-        "field is that has one value",
-        tolerance);
+    return fail("simplifying: expected a finite max_error > 0 or a simplify_distance, got {}",
+                tolerance);
   }
   if (options.isovalues.size() > 1)
     return fail(
