@@ -291,7 +291,6 @@ SurfaceWriteOptions note_of(const ExtractReport& report, const std::vector<doubl
 void add_job(const ExtractReport& report, const ExtractOptions& options, const Input& input,
              Session& session, Totals& totals) {
   totals.add(report);
-  warn_of_coordinates(session, input.info.volume.grid);
   warn_of_open(session, report);
   warn_of_persistence(session, report, options);
   warn_of_unmet(session, report, options, input.info);
@@ -360,6 +359,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
   set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
             options.max_error);
+  warn_of_coordinates(session, input.info.volume.grid);
   LODE_CHECK(check_simplify_range(options, input.info.range_min, input.info.range_max));
   Totals totals;
   OutputSet outputs(paths);

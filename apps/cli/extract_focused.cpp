@@ -122,6 +122,7 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   LODE_TRY(const FocusedReport report,
            extract_focused(input.dataset, options, surface, session.progress()));
   LODE_TRY(const ExtractOptions plain, to_extract_options(job.extraction));
+  warn_of_coordinates(session, input.info.volume.grid);
   warn_of_boxes(options.query.boxes, input.info.volume.grid.world_bounds(), session);
   warn_of_focused(session, report, surface, plain, input.info, options.query.budget.is_limited());
   LODE_CHECK(write_surface(

@@ -285,18 +285,16 @@ Result<void> check_outside(const Query& query) {
 
 void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session) {
   const auto to_text = [](const Box3d& box) {
-    return fmt::format("{},{},{},{},{},{}", format_number(box.lower[0]),
-                       format_number(box.upper[0]), format_number(box.lower[1]),
-                       format_number(box.upper[1]), format_number(box.lower[2]),
-                       format_number(box.upper[2]));
+    return fmt::format("{},{},{},{},{},{}", box.lower[0], box.upper[0], box.lower[1], box.upper[1],
+                       box.lower[2], box.upper[2]);
   };
   for (const Box3d& box : boxes) {
     bool is_beside = false;
     for (std::size_t i = 0; i < 3; ++i)
       is_beside = is_beside || box.upper[i] < bounds.lower[i] || box.lower[i] > bounds.upper[i];
     if (is_beside)
-      session.warn(fmt::format("--box {}: nothing of the data is in it, which are in {}",
-                               to_text(box), to_text(bounds)));
+      session.warn(fmt::format("--box {}: none of the data are in it, but in {}", to_text(box),
+                               to_text(bounds)));
   }
 }
 

@@ -75,7 +75,8 @@ Result<void> check_warp(const WarpArguments& arguments) {
 }
 
 ReadingArguments with_warp(ReadingArguments reading, const WarpArguments& arguments) {
-  if (arguments.is_wanted()) reading.with.push_back(arguments.field + ":xyz");
+  for (std::size_t i = 0; i < 3 && arguments.is_wanted(); ++i)
+    reading.with.push_back(component_of(arguments, i));
   return reading;
 }
 

@@ -177,6 +177,34 @@ TEST_F(cli_simplify, within_an_error_leaves_fewer_triangles_and_is_verified) {
   EXPECT_NE(strict.err.find("|F - isovalue| <= tolerance"), std::string::npos) << strict.err;
 }
 
+/// A long slab, of which the surface takes a small part beside the border.
+TEST_F(cli_simplify, stays_in_the_volume_which_is_verified) {
+  const std::string slab = file("slab.nrrd");
+  write_nrrd(slab, {{300, 4, 12}},
+             [](int x, int y, int z) { return 100 + 40 * y - 3 * ((x * 7 + z * 5) % 11); });
+  const std::vector<std::string> query{"--isovalue", "101", "--simplify", "--max-distance", "0.3"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), query.begin(), query.end());
+    return run_lode(words);
+  };
+  const Finished run = with({"extract", slab, file("s.ply"), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_GT(run.json().at("triangles"), 100);
+  const Finished good = with({"verify", slab, "--surface", file("s.ply")});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_NE(good.out.find("vertices in the volume"), std::string::npos) << good.out;
+  auto surface = read_surface(file("s.ply"));
+  ASSERT_TRUE(surface);
+  for (const Vec3f& p : surface->positions) ASSERT_GE(p[1], 0);
+  const auto lowest =
+      std::ranges::min_element(surface->positions, {}, [](const Vec3f& p) { return p[1]; });
+  (*lowest)[1] = -0.01F;
+  Progress progress;
+  ASSERT_TRUE(write_surface(file("out.ply"), *surface, {}, progress));
+  const Finished bad = with({"verify", slab, "--surface", file("out.ply")});
+  EXPECT_NE(bad.out.find("1 outside"), std::string::npos) << bad.out << bad.err;
+}
+
 TEST_F(cli_simplify, several_within_an_error_are_verified_one_by_one) {
   const std::vector<std::string> query = {"--isovalue", "90",          "--isovalue", "120",
                                           "--simplify", "--max-error", "4"};

@@ -92,6 +92,14 @@ TEST(glb_file, counts_positions_that_lie_far_away_from_one_of_them) {
   ASSERT_TRUE(moved);
   EXPECT_EQ(moved->positions, surface.positions);
   EXPECT_EQ(moved->origin, surface.origin);
+  // Where another program has put it elsewhere it is there.
+  std::string edited = written_bytes(surface);
+  const std::string from = R"("translation":[1000557820)";
+  ASSERT_NE(edited.find(from), std::string::npos) << edited;
+  edited.replace(edited.find(from), from.size(), R"("translation":[1000657820)");
+  const auto elsewhere = read_bytes(".glb", edited);
+  ASSERT_TRUE(elsewhere);
+  EXPECT_EQ(elsewhere->world_position(0)[0], surface.world_position(0)[0] + 1e5);
   surface.origin = {};
   // Where floats do not have the differences they stay as they are.
   surface.positions = {{{8e6F, 0.1F, 0}}, {{8.001e6F, 1.0F, 0}}, {{8e6F, 1.0F, 0}}};

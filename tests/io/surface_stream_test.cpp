@@ -106,6 +106,28 @@ TEST_P(surface_stream, gives_the_file_of_the_whole) {
   }
 }
 
+/// Several threads fill in records, of which each takes thousands.
+TEST_P(surface_stream, gives_the_same_file_for_any_number_of_threads) {
+  const Surface surface = torus_of_one_isovalue(120);
+  ASSERT_GT(surface.triangles.size(), 20000U);
+  const std::string path = temporary_path("threads") + extension();
+  Progress progress;
+  std::vector<std::string> files;
+  for (const int n : {1, 2, 5}) {
+    SurfaceWriteOptions options = kOptions;
+    options.threads = {n};
+    ASSERT_TRUE(write_surface(path, surface, options, progress));
+    files.push_back(bytes_of(path));
+    for (const std::uint64_t memory_bytes : {0U, 1U << 24}) {
+      auto stream = stream_surface(path, memory_bytes, {n}, progress);
+      ASSERT_TRUE(stream && add_pieces(surface, **stream) && (*stream)->finish(options));
+      files.push_back(bytes_of(path));
+    }
+  }
+  for (const std::string& file : files) EXPECT_TRUE(file == files.front());
+  ::unlink(path.c_str());
+}
+
 TEST_P(surface_stream, keeps_an_origin_or_says_why_not) {
   Surface surface = torus_of_one_isovalue(7);
   surface.origin = {{1e9, 2, -3e7}};

@@ -54,8 +54,7 @@ double coordinate_step(const RegularGrid& grid) {
   double largest = 0;
   for (std::size_t i = 0; i < 3; ++i)
     largest = std::max({largest, std::abs(bounds.lower[i]), std::abs(bounds.upper[i])});
-  const double step = std::ranges::min(grid.spacing.v);
-  return std::max(LatticeFrame::of(grid).rounding, 0x1p-52 * largest / step);
+  return std::max(LatticeFrame::of(grid).rounding, 0x1p-52 * largest / least_step(grid));
 }
 
 Result<void> check_extract_options(const ExtractOptions& options) {

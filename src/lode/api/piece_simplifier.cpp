@@ -129,6 +129,7 @@ Result<void> PieceSimplifier::add_part(const Surface& surface, const Triangles& 
   LODE_TRY(const SimplifyReport done,
            simplify_piece(part.surface, options_, simplified, progress_));
   report_.join(done);
+  part.surface.shrink_to_fit();  // it may wait for the others
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const std::uint32_t after = left[i] == kGone ? kGone : simplified[left[i]];
     LODE_EXPECTS(i < n_new || after != kGone);

@@ -171,13 +171,12 @@ SimplifyOptions simplify_options_of(const ExtractOptions& options, const Simplif
 }
 
 /// Where the field has values, but for holes, and what was not clipped, of positions counted from
-/// `origin`; larger by their rounding.
+/// `origin`.
 ConvexDomain domain_of(const RegularGrid& grid, const ExtractOptions& options,
                        const Vec3d& origin) {
   const Mat3 m = grid.index_to_world_matrix();
   const Mat3 c = cofactors(m);
   const bool is_clipped = options.clip && grid.has_world_axes();
-  const double rounding = coordinate_rounding(grid);
   ConvexDomain domain;
   for (std::size_t i = 0; i < 3; ++i) {
     domain.along[i] = c.column(i) * (1 / determinant(m));
@@ -189,9 +188,8 @@ ConvexDomain domain_of(const RegularGrid& grid, const ExtractOptions& options,
       low = std::max(low, std::min(a, b));
       high = std::min(high, std::max(a, b));
     }
-    const double slack = rounding * length(domain.along[i]);
-    domain.at[i] = dot(domain.along[i], origin - grid.origin) - low + slack;
-    domain.most[i] = high - low + 2 * slack;
+    domain.at[i] = dot(domain.along[i], origin - grid.origin) - low;
+    domain.most[i] = high - low;
   }
   return domain;
 }

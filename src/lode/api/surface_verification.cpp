@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <set>
+#include <span>
+#include <vector>
 
 #include "lode/api/common_nodes.h"
 #include "lode/api/compared_surfaces.h"
@@ -61,21 +64,33 @@ Result<void> add_crossings(const Surface& surface, const ExtractOptions& options
   std::uint64_t n_candidates = 0;
   std::uint64_t n_meetings = 0;
   std::string first;
-  const auto look_at = [&](const Surface& part) -> Result<void> {
+  /// `numbers`: of the part's triangles in the surface; empty where it is all of that.
+  const auto look_at = [&](const Surface& part,
+                           std::span<const std::uint32_t> numbers) -> Result<void> {
     LODE_TRY(const auto found, check_self_intersections(part, options.threads, progress));
     n_candidates += found.n_candidates;
+    const auto describe = [&](std::uint32_t i) {
+      return describe_cell(surface, numbers.empty() ? i : numbers[i]);
+    };
     if (found.n_intersections > 0 && n_meetings == 0)
-      first = fmt::format("; first: {} and {}", describe_cell(part, found.first[0]),
-                          describe_cell(part, found.first[1]));
+      first = fmt::format("; first: {} and {}", describe(found.first[0]), describe(found.first[1]));
     n_meetings += found.n_intersections;
     return {};
   };
   const bool is_by_isovalue = options.style == SurfaceStyle::cubes &&
                               options.isovalues.size() > 1 && !surface.isovalues.empty() &&
                               surface.lines.empty();
-  if (!is_by_isovalue) LODE_CHECK(look_at(surface));
-  for (std::size_t i = 0; i < options.isovalues.size() && is_by_isovalue; ++i)
-    LODE_CHECK(look_at(part_of(surface, static_cast<float>(options.isovalues[i]))));
+  if (is_by_isovalue) {
+    const std::set<float> isovalues(surface.isovalues.begin(), surface.isovalues.end());
+    for (const float isovalue : isovalues) {
+      std::vector<std::uint32_t> numbers;
+      for (std::uint32_t i = 0; i < surface.triangles.size(); ++i)
+        if (surface.isovalues[surface.triangles[i][0]] == isovalue) numbers.push_back(i);
+      LODE_CHECK(look_at(part_of(surface, isovalue), numbers));
+    }
+  } else {
+    LODE_CHECK(look_at(surface, {}));
+  }
   report.add(is_by_isovalue ? "no self-intersection of any isovalue" : "no self-intersection",
              n_candidates, n_meetings, fmt::format("{} pairs meet{}", n_meetings, first));
   return {};

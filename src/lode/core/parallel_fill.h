@@ -50,7 +50,7 @@ void fill_anew(UninitializedArray<T>& array, std::size_t n, T value, Threads thr
   fill_anew(array, 0, n, value, threads);
 }
 
-/// resize_large() of a vector that is empty, whose new memory comes in with several threads:
+/// resize_large() whose new memory, of a vector that was empty, comes in with several threads:
 /// setting what is there to zero takes a fraction of that.
 template <typename T>
 void resize_large(std::vector<T>& vector, std::size_t n, Threads threads) {
@@ -60,11 +60,11 @@ void resize_large(std::vector<T>& vector, std::size_t n, Threads threads) {
     auto* const memory = reinterpret_cast<std::byte*>(vector.data());
     const std::size_t n_bytes = n * sizeof(T);
     prefer_huge_pages(memory, n_bytes);
-    parallel_for(n_bytes / kPieceBytes, threads, 1, [&](std::size_t piece, int) {
-      bring_in(memory + piece * kPieceBytes, std::min(kPieceBytes, n_bytes - piece * kPieceBytes));
+    parallel_for((n_bytes + kPieceBytes - 1) / kPieceBytes, threads, 1, [&](std::size_t i, int) {
+      bring_in(memory + i * kPieceBytes, std::min(kPieceBytes, n_bytes - i * kPieceBytes));
     });
   }
-  vector.resize(n);
+  resize_large(vector, n);
 }
 
 }  // namespace lode

@@ -34,4 +34,11 @@ void Surface::clear() {
   lines.clear();
 }
 
+void Surface::shrink_to_fit() {
+  positions.shrink_to_fit();
+  normals.shrink_to_fit();
+  isovalues.shrink_to_fit();
+  triangles.shrink_to_fit();
+}
+
 }  // namespace lode

@@ -46,6 +46,8 @@ struct Surface {
   [[nodiscard]] bool is_empty() const { return triangles.empty() && lines.empty(); }
   /// Memory that the vectors have.
   [[nodiscard]] std::uint64_t n_bytes() const;
+  /// Gives back what vertices, normals, isovalues and triangles do not need.
+  void shrink_to_fit();
   [[nodiscard]] Vec3d world_position(std::uint32_t vertex) const;
   /// Empties the vectors but keeps their memory, so that a Surface can be filled again.
   void clear();

@@ -102,7 +102,7 @@ Result<void> write_network_vtp(const std::string& path, const Network& network,
                           2 * layout.vertices.n_bytes + layout.corners.n_bytes +
                           layout.line_ends.n_bytes;
   for (const VtkXmlArray& array : layout.columns) n_bytes += array.n_bytes;
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress, {}));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress, {1}));
   LODE_CHECK(file.write(network_head(network, layout, comment)));
   LODE_CHECK(write_numbers<double>(file, layout.heights,
                                    [&](std::size_t i) { return network.places[i][2]; }));

@@ -343,14 +343,17 @@ Result<Vec3d> read_vector(const std::string& path, const json& array, const std:
   return vector;
 }
 
-/// Positions that were counted from one of them are as they were before.
+/// Positions that were counted from one of them are as they were before, unless what they are
+/// relative to was changed since.
 Result<void> put_back(const std::string& path, const json& node, Surface& surface) {
   const json* extras = member(node, "extras");
   const json* origin = extras != nullptr ? member(*extras, kOriginKey) : nullptr;
   const json* first = extras != nullptr ? member(*extras, kFirstKey) : nullptr;
   if (origin == nullptr || first == nullptr) return {};
-  LODE_TRY(surface.origin, read_vector(path, *origin, kOriginKey));
+  LODE_TRY(const Vec3d before, read_vector(path, *origin, kOriginKey));
   LODE_TRY(const Vec3d from, read_vector(path, *first, kFirstKey));
+  if (surface.origin != before + from) return {};
+  surface.origin = before;
   for (Vec3f& p : surface.positions)
     for (std::size_t k = 0; k < 3; ++k)
       p[k] = static_cast<float>(static_cast<double>(p[k]) + from[k]);

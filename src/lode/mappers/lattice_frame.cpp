@@ -23,6 +23,13 @@ double largest_coordinate(const Box3d& box, const Vec3d& origin) {
 
 }  // namespace
 
+double least_step(const RegularGrid& grid) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i)
+    if (grid.dims[i] > 1) least = std::min(least, grid.spacing[i]);
+  return std::isfinite(least) ? least : std::ranges::min(grid.spacing.v);
+}
+
 LatticeFrame LatticeFrame::of(const RegularGrid& grid) {
   constexpr double kLargestMargin = 1.0 / 256;
   constexpr double kUlps = 16;
@@ -30,7 +37,7 @@ LatticeFrame LatticeFrame::of(const RegularGrid& grid) {
   frame.to_world = grid.index_to_world_matrix();
   frame.is_mirrored = determinant(frame.to_world) < 0;
   const Box3d bounds = grid.world_bounds();
-  const double step = std::min({grid.spacing[0], grid.spacing[1], grid.spacing[2]});
+  const double step = least_step(grid);
   double unit = ulp(largest_coordinate(bounds, frame.surface_origin));
   if (kUlps * unit / step > kLargestMargin) {
     frame.surface_origin = bounds.lower;

@@ -6,6 +6,9 @@
 
 namespace lode {
 
+/// The smallest spacing of axes along which there are several samples, if there are any.
+[[nodiscard]] double least_step(const RegularGrid& grid);
+
 /// How lattice coordinates become the float32 positions of a Surface, and how far vertices must
 /// stay from lattice points so that rounding can neither merge two nor flip a triangle.
 struct LatticeFrame {
@@ -17,8 +20,8 @@ struct LatticeFrame {
   double rounding = 0;  ///< A position's rounding error, in lattice steps.
   bool is_mirrored = false;
 
-  /// Chooses the origin and the margin: 16 ulp of float32 at the largest coordinate, over the
-  /// smallest spacing. With world coordinates so large that this is more than 1/256 of a step,
+  /// Chooses the origin and the margin: 16 ulp of float32 at the largest coordinate, over
+  /// least_step(). With world coordinates so large that this is more than 1/256 of a step,
   /// positions are taken relative to the lower corner of the bounds.
   [[nodiscard]] static LatticeFrame of(const RegularGrid& grid);
 
