@@ -8,9 +8,9 @@
 namespace lode::tetra_mt {
 
 /// A triangle is seen along a direction if its area there is more than so much of the product of
-/// two of its edges' lengths. Edge-on that is nothing but rounding, of some 1e-16 of the product, by
-/// which no two triangles can be held against each other; at this, where edges cross is told to 1e-8
-/// of their lengths.
+/// two of its edges' lengths. Edge-on that is nothing but rounding, of some 1e-16 of the product,
+/// by which no two triangles can be held against each other; at this, where edges cross is told to
+/// 1e-8 of their lengths.
 inline constexpr double kLeastSeen = 1e-8;
 
 /// A disc of triangles round the origin, the vertex that goes, by the other corners in their order;
