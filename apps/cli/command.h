@@ -3,9 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "data_kind.h"
 #include "lode/api/dataset.h"
 #include "progress_bar.h"
 
@@ -61,6 +63,8 @@ struct Command {
   CLI::App* app = nullptr;
   std::function<Result<void>()> check;
   std::function<Result<Outcome>(Session&)> run;
+  /// Of commands for several kinds of data, whose options then depend on the kind.
+  std::optional<HelpFooter> footer{};
 };
 
 [[nodiscard]] Command add_info_command(CLI::App& program);

@@ -184,16 +184,23 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
 
 }  // namespace
 
+/// Of volumes, meshes and terrain.
+constexpr HelpFooter kBuildFooter{{{
+    {"",
+     "  lode build scan.nrrd scan.lode\n"
+     "  lode build scan.raw scan.lode --dims 512x512x300 --type int16 --spacing 0.5,0.5,1\n"},
+    {"",
+     "  lode build wing.vtu wing.lode --field Density\n"
+     "  lode build step-0.vtu run.lode --field Density --at 0.5\n"},
+    {"",
+     "  lode build dem.tif dem.lode --levels 50,20,10,5,2,1\n"
+     "  lode build lidar.las dem.lode --class 2 --breaklines dikes.gpkg\n"},
+}}};
+
 Command add_build_command(CLI::App& program) {
   auto arguments = std::make_shared<BuildArguments>();
   CLI::App* app = program.add_subcommand(
       "build", "Turn a volume, a mesh of cells or terrain into a .lode file");
-  app->footer(
-      "Examples:\n  lode build scan.nrrd scan.lode\n"
-      "  lode build wing.vtu wing.lode --field Density\n"
-      "  lode build step-0.vtu run.lode --field Density --at 0.5\n"
-      "  lode build dem.tif dem.lode --levels 50,20,10,5,2,1\n"
-      "  lode build lidar.las dem.lode --class 2 --breaklines dikes.gpkg");
   app->add_option("input", arguments->input,
                   "Volume, mesh of cells, raster of heights, or scattered points, to read")
       ->type_name("IN")
@@ -243,7 +250,7 @@ Command add_build_command(CLI::App& program) {
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::extraction);
   return {app, [arguments, app] { return check_build(*arguments, *app); },
-          [arguments](Session& session) { return run_build(*arguments, session); }};
+          [arguments](Session& session) { return run_build(*arguments, session); }, kBuildFooter};
 }
 
 }  // namespace lode::cli

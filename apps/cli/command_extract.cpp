@@ -386,43 +386,51 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   return suggest_salvage(outcome.error(), arguments.input);
 }
 
-constexpr const char* kFooter =
-    "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
-    "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut.\n\n"
-    "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
-    ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
-    "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"
-    "see all of it.\n\n"
-    "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
-    "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
-    "are isosurfaces, --mesh, --section and --boundary, with foci and --max-cells.\n\n"
-    "Of rasters of heights (.tif, .asc, .hgt, .nc, ...) and scattered points (.las, .xyz, ...)\n"
-    "there is a TIN: no sample is farther from it, vertically, than --max-error. Of .lode files "
-    "of\n"
-    "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone,\n"
-    "vary, or be in pixels of a picture through the --view of a camera that lode render writes,\n"
-    "in metres from the raster's middle. OUT may end in .tif, too: the TIN's heights on the "
-    "raster's own grid, or on one of\n"
-    "pixels of --cell; within --max-error of every sample also after rounding.\n\n"
-    "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
-    "  lode extract dem.tif dem.ply --max-error 10\n"
-    "  lode extract dem.lode part.ply --max-error 1 --clip 560000,561000,5115000,5116000\n"
-    "  lode extract degrees.tif metres.ply --max-error 10 --to-crs EPSG:32632\n"
-    "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
-    "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
-    "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
-    "  lode extract dem.lode seen.ply --view camera.json --max-error-px 1\n"
-    "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
-    "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
-    "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
-    "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 40 --keep-topology\n"
-    "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-error 10\n"
-    "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
-    "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
-    "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"
-    "  lode extract fin.vtu hot.vtp --boundary --threshold 2:5 --field Density\n"
-    "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
-    "  lode extract damaged.lode bone.ply --isovalue 1200 --max-error 10 --salvage";
+/// Of volumes, meshes and terrain.
+constexpr HelpFooter kFooter{{{
+    {"OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
+     "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl, of one cut.\n\n"
+     "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
+     ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
+     "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"
+     "see all of it.\n\n"
+     "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n",
+     "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
+     "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
+     "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
+     "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
+     "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 40 --keep-topology\n"
+     "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-error 10\n"
+     "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
+     "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
+     "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"
+     "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
+     "  lode extract damaged.lode bone.ply --isovalue 1200 --max-error 10 --salvage\n"},
+    {"Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh, and what lode-vtk-import reads) there "
+     "are\n"
+     "isosurfaces (.ply, .stl, .obj, .vtp, .glb), --mesh (.vtu, .vtk, .msh, .exo), --section and\n"
+     "--boundary (values and errors need .vtp or .ply), with foci and --max-cells. Of others than\n"
+     ".lode files the hierarchy is built in memory first.\n",
+     "  lode extract wing.lode shock.vtp --isovalue 2.1 --max-error 1%\n"
+     "  lode extract wing.lode tip.vtu --mesh --box 3,4,0,1,0,1 --max-cells 100000\n"
+     "  lode extract fin.vtu hot.vtp --boundary --threshold 2:5 --field Density\n"
+     "  lode extract wing.lode cut.vtp --section 0,0,1,0.5 --isovalue 2.1 --isovalue 2.2\n"},
+    {"Of rasters of heights (.tif, .asc, .hgt, .nc, ...) and scattered points (.las, .xyz, ...)\n"
+     "there is a TIN: no sample is farther from it, vertically, than --max-error. Of .lode files "
+     "of\n"
+     "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone,\n"
+     "vary, or be in pixels of a picture through the --view of a camera that lode render writes,\n"
+     "in metres from the raster's middle. OUT may end in .tif, too: the TIN's heights on the\n"
+     "raster's own grid, or on one of pixels of --cell; within --max-error of every sample also\n"
+     "after rounding.\n",
+     "  lode extract dem.tif dem.ply --max-error 10\n"
+     "  lode extract dem.lode part.ply --max-error 1 --clip 560000,561000,5115000,5116000\n"
+     "  lode extract degrees.tif metres.ply --max-error 10 --to-crs EPSG:32632\n"
+     "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
+     "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
+     "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
+     "  lode extract dem.lode seen.ply --view camera.json --max-error-px 1\n"},
+}}};
 
 }  // namespace
 
@@ -430,8 +438,8 @@ Command add_extract_command(CLI::App& program) {
   auto arguments = std::make_shared<ExtractArguments>();
   CLI::App* app = program.add_subcommand(
       "extract", "Extract isosurfaces (contour lines of 2D data), meshes, sections or terrain");
-  app->footer(kFooter);
-  app->add_option("file", arguments->input, ".lode file, a volume to build in memory, or terrain")
+  app->add_option("file", arguments->input,
+                  ".lode file, a volume or mesh to build in memory, or terrain")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
@@ -460,7 +468,7 @@ Command add_extract_command(CLI::App& program) {
              "Write a terrain's mesh with x and y in this CRS, through PROJ; its error is measured "
              "there again. --clip, --box, --focus-point and --view stay in the CRS of the file");
   return {app, [arguments, app] { return check_extract(*arguments, *app); },
-          [arguments](Session& session) { return run_extract(*arguments, session); }};
+          [arguments](Session& session) { return run_extract(*arguments, session); }, kFooter};
 }
 
 }  // namespace lode::cli

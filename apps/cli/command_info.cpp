@@ -137,17 +137,22 @@ Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
 
 }  // namespace
 
+/// Of volumes, meshes and terrain.
+constexpr HelpFooter kInfoFooter{{{
+    {"", "  lode info scan.nrrd\n"},
+    {"", "  lode info wing.vtu\n"},
+    {"", "  lode info dem.tif\n  lode info survey.las --class 2\n"},
+}}};
+
 Command add_info_command(CLI::App& program) {
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App* app =
       program.add_subcommand("info", "Show what a volume, mesh, terrain or .lode file holds");
-  app->footer(
-      "Example:\n  lode info scan.nrrd\n  lode info dem.tif\n  lode info survey.las --class 2");
   app->add_option("file", arguments->input, "File to look at")->type_name("FILE")->required();
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
   return {app, [arguments, app] { return check_info(*arguments, *app); },
-          [arguments](Session& session) { return run_info(*arguments, session); }};
+          [arguments](Session& session) { return run_info(*arguments, session); }, kInfoFooter};
 }
 
 }  // namespace lode::cli

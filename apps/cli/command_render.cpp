@@ -288,16 +288,22 @@ Json camera_json(const Camera& camera) {
   return json;
 }
 
+/// Of volumes, meshes and terrain.
+constexpr HelpFooter kRenderFooter{{{
+    {"",
+     "  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200\n"
+     "  lode render scan.lode first.png --isovalue 1200 --camera-path orbit --frames film\n"},
+    {"",
+     "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000\n"
+     "  lode render wing.lode tip.png --boundary --camera tip.json --threshold 2:3\n"
+     "  lode render wing.lode first.png --isovalue 2.1 --camera-path orbit --frames film\n"},
+    {"", "  lode render dem.tif map.png --top --contours 100\n"},
+}}};
+
 Command add_render_command(CLI::App& program) {
   auto arguments = std::make_shared<RenderArguments>();
   CLI::App* app = program.add_subcommand(
       "render", "Draw isosurfaces, the volume of a mesh, or terrain to a PNG picture");
-  app->footer(
-      "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200\n"
-      "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000\n"
-      "  lode render wing.lode tip.png --boundary --camera tip.json --threshold 2:3\n"
-      "  lode render wing.lode first.png --isovalue 2.1 --camera-path orbit --frames film\n"
-      "  lode render dem.tif map.png --top --contours 100");
   app->add_option("file", arguments->input,
                   ".lode file, a volume or mesh to build in memory, or terrain")
       ->type_name("FILE")
@@ -313,7 +319,7 @@ Command add_render_command(CLI::App& program) {
   add_terrain_picture_options(*app, arguments->terrain);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments, app] { return check_render(*arguments, *app); },
-          [arguments](Session& session) { return run_render(*arguments, session); }};
+          [arguments](Session& session) { return run_render(*arguments, session); }, kRenderFooter};
 }
 
 }  // namespace lode::cli

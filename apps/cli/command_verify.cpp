@@ -245,30 +245,31 @@ Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   return report_checks(arguments, report, watch.seconds());
 }
 
-constexpr const char* kVerifyFooter =
-    "Reads and checks every byte of FILE, and finds errors anew from its samples.\n"
-    "--against compares these with the original data, and finds errors by their definition,\n"
-    "which takes a minute or two for 16 million samples.\n"
-    "--surface checks a surface, given the options it was extracted with.\n"
-    "Of meshes of tetrahedra, or .lode files made from them: nodes and their order, random "
-    "cuts,\n"
-    "and all stated errors and ranges; --against compares every vertex, value and cell.\n\n"
-    "Of terrain --surface is a TIN: Delaunay, of samples, and within --max-error.\n"
-    "Of .lode files made of rasters --against looks at every level and every triangle's "
-    "error.\n\n"
-    "Of a folder of tiles: that each covers its square, that they meet, and with --against that\n"
-    "every sample is within the error that layer.json states of each level.\n\n"
-    "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
-    "  lode verify dem.tif --surface dem.ply --max-error 10\n"
-    "  lode verify dem.lode --against dem.tif\n"
-    "  lode verify tiles --against dem.tif\n"
-    "  lode verify mesh.vtu\n  lode verify mesh.lode --against mesh.vtu\n"
-    "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
-    "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
-    "  lode verify scan.lode --surface bone-300.stl --surface bone-1200.stl --isovalue 300 "
-    "--isovalue 1200 --keep-topology\n"
-    "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-error 10\n"
-    "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5";
+/// Of volumes, meshes and terrain.
+constexpr HelpFooter kVerifyFooter{{{
+    {"Reads and checks every byte of FILE, and finds errors anew from its samples.\n"
+     "--against compares these with the original data, and finds errors by their definition,\n"
+     "which takes a minute or two for 16 million samples.\n"
+     "--surface checks a surface, given the options it was extracted with.\n",
+     "  lode verify scan.lode --against scan.nrrd\n"
+     "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
+     "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
+     "  lode verify scan.lode --surface bone-300.stl --surface bone-1200.stl --isovalue 300 "
+     "--isovalue 1200 --keep-topology\n"
+     "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-error 10\n"
+     "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"},
+    {"Of meshes of cells, or .lode files made from them: nodes and their order, random cuts, and\n"
+     "all stated errors and ranges; --against compares every vertex, value and cell.\n",
+     "  lode verify mesh.vtu\n"
+     "  lode verify mesh.lode --against mesh.vtu\n"},
+    {"Of terrain --surface is a TIN: Delaunay, of samples, and within --max-error.\n"
+     "Of .lode files made of rasters --against looks at every level and every triangle's error.\n\n"
+     "Of a folder of tiles: that each covers its square, that they meet, and with --against that\n"
+     "every sample is within the error that layer.json states of each level.\n",
+     "  lode verify dem.tif --surface dem.ply --max-error 10\n"
+     "  lode verify dem.lode --against dem.tif\n"
+     "  lode verify tiles --against dem.tif\n"},
+}}};
 
 }  // namespace
 
@@ -276,7 +277,6 @@ Command add_verify_command(CLI::App& program) {
   auto arguments = std::make_shared<VerifyArguments>();
   CLI::App* app =
       program.add_subcommand("verify", "Check a .lode file, a mesh's hierarchy, or a surface");
-  app->footer(kVerifyFooter);
   app->add_option("file", arguments->input, ".lode file, or a volume or mesh to build in memory")
       ->type_name("FILE")
       ->required();
@@ -313,7 +313,7 @@ Command add_verify_command(CLI::App& program) {
              "CRS that a surface of terrain was extracted to: its vertices must be where that has "
              "samples, and its errors there are measured again");
   return {app, [arguments, app] { return check_verify(*arguments, *app); },
-          [arguments](Session& session) { return run_verify(*arguments, session); }};
+          [arguments](Session& session) { return run_verify(*arguments, session); }, kVerifyFooter};
 }
 
 }  // namespace lode::cli

@@ -116,6 +116,9 @@ int print_outcome(const Outcome& outcome, bool is_json) {
 int run_command(const Command& command, const CommonOptions& options) {
   if (const auto status = command.check(); !status)
     return report_error(status.error().message, kUsage, options.json);
+  if (command.footer)
+    if (const auto status = check_options(*command.app); !status)
+      return report_error(status.error().message, kUsage, options.json);
   ProgressBar bar(options.quiet ? ProgressDisplay::off : ProgressDisplay::terminal);
   Progress progress([&bar](std::string_view phase, double fraction, std::uint64_t n_bytes) {
     bar.update(phase, fraction, n_bytes);
@@ -131,11 +134,30 @@ int run_command(const Command& command, const CommonOptions& options) {
   return report_error(outcome.error().message, kFailure, options.json);
 }
 
-int print_help(CLI::App& program, const std::string& topic, const std::vector<Command>& commands) {
-  for (const Command& command : commands) {
-    if (command.app->get_name() != topic) continue;
-    return print_output(command.app->help("lode")) ? 0 : kFailure;
+/// Of one kind of data alone, where the command has several.
+int explain(const Command& command, std::optional<DataKind> kind) {
+  if (command.footer) {
+    if (kind) show_only(*kind, *command.app);
+    command.app->footer(command.footer->text(command.app->get_name(), kind));
   }
+  return print_output(command.app->help("lode")) ? 0 : kFailure;
+}
+
+/// What `lode help COMMAND KIND` asks for.
+struct HelpTopic {
+  std::string command;
+  std::string kind;
+};
+
+int print_help(CLI::App& program, const HelpTopic& asked, const std::vector<Command>& commands) {
+  const std::string& topic = asked.command;
+  const std::optional<DataKind> kind = find_data_kind(asked.kind);
+  if (!asked.kind.empty() && !kind)
+    return report_error(fmt::format("help: expected {} after {}, got '{}'",
+                                    fmt::join(kDataKinds, ", "), topic, asked.kind),
+                        kUsage, false);
+  for (const Command& command : commands)
+    if (command.app->get_name() == topic) return explain(command, kind);
   if (!topic.empty()) return report_error(unknown_command(topic, commands), kUsage, false);
   program.clear();  // a program that has parsed a subcommand explains only that
   return print_output(program.help()) ? 0 : kFailure;
@@ -146,6 +168,9 @@ int handle_parse_error(const CLI::ParseError& error, const CLI::App& program,
                        const std::vector<Command>& commands) {
   const bool is_json = std::ranges::count(arguments, "--json") > 0;
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    const auto command = std::ranges::find_if(
+        commands, [&](const Command& one) { return one.app->get_name() == arguments[0]; });
+    if (command != commands.end()) return explain(*command, kind_of_files(arguments));
     std::ostringstream text;  // --help or --version
     const int exit_code = program.exit(error, text, text);
     return print_output(text.str()) ? exit_code : kFailure;
@@ -179,9 +204,11 @@ int run_program(const std::vector<std::string>& arguments) {
       add_verify_command(program),   add_render_command(program),     add_tiles_command(program),
       add_compare_command(program),  add_bench_command(program)};
   for (const Command& command : commands) add_common_options(*command.app, options);
-  std::string topic;
+  HelpTopic topic;
   CLI::App* help = program.add_subcommand("help", "Explain a command");
-  help->add_option("command", topic, "Command to explain")->type_name("COMMAND");
+  help->add_option("command", topic.command, "Command to explain")->type_name("COMMAND");
+  help->add_option("kind", topic.kind, "Only what data of this kind have: volume, mesh or terrain")
+      ->type_name("KIND");
 
   if (arguments.empty()) {
     print_error(program.help());

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+#include <sstream>
+
 #include "tests/cli/program.h"
 
 namespace lode::test {
@@ -29,6 +33,81 @@ TEST(cli_usage, lists_every_command_in_the_help) {
     for (const std::string& command : kCommands)
       EXPECT_NE(run.out.find("\n  " + command), std::string::npos) << run.out;
   }
+}
+
+/// Commands for volumes, meshes and terrain, with what they need, but for the file.
+const std::vector<Words> kCommandsOfKinds{
+    {"info"}, {"build", "o.lode"}, {"extract", "o.ply"}, {"verify"}, {"render", "o.png"}};
+
+/// The options that a help lists, as --name.
+std::set<std::string> options_in(const std::string& help) {
+  std::set<std::string> options;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t start = line.find("--");
+    // Below what explains them options are named, too.
+    if (!line.starts_with("  ") || start > std::string_view("  -q,").size()) continue;
+    options.insert(line.substr(start, line.find_first_of(" ,{", start) - start));
+  }
+  return options;
+}
+
+TEST(cli_usage, explains_what_one_kind_of_data_has) {
+  for (const Words& command : kCommandsOfKinds) {
+    const std::string all = run_lode({"help", command[0]}).out;
+    EXPECT_NE(all.find("lode help " + command[0] + " volume"), std::string::npos) << all;
+    for (const std::string kind : {"volume", "mesh", "terrain"}) {
+      const Finished run = run_lode({"help", command[0], kind});
+      EXPECT_EQ(run.exit_code, 0);
+      EXPECT_LT(run.out.size(), all.size());
+      EXPECT_NE(run.out.find("Examples:\n  lode " + command[0]), std::string::npos) << run.out;
+      EXPECT_TRUE(options_in(run.out).contains("--json"));
+    }
+  }
+  const std::set<std::string> of_meshes = options_in(run_lode({"help", "extract", "mesh"}).out);
+  EXPECT_TRUE(of_meshes.contains("--region") && of_meshes.contains("--isovalue"));
+  EXPECT_FALSE(of_meshes.contains("--simplify") || of_meshes.contains("--dims"));
+  expect_refusal(run_lode({"help", "extract", "mash"}), 2, {"'mash'", "volume, mesh, terrain"});
+}
+
+TEST(cli_usage, explains_what_a_file_has) {
+  const Scratch scratch;
+  write_bytes(scratch / "v.nrrd", "NRRD0004\n");
+  write_bytes(scratch / "m.vtu", "<VTKFile/>");
+  EXPECT_EQ(run_lode({"extract", scratch / "v.nrrd", "--help"}).out,
+            run_lode({"help", "extract", "volume"}).out);
+  EXPECT_EQ(run_lode({"render", scratch / "m.vtu", "o.png", "--help"}).out,
+            run_lode({"help", "render", "mesh"}).out);
+  EXPECT_EQ(run_lode({"render", scratch / "none.vtu", "--help"}).out,
+            run_lode({"help", "render"}).out);
+}
+
+/// None is taken and does nothing.
+TEST(cli_usage, refuses_what_it_does_not_explain_of_a_kind) {
+  const Scratch scratch;
+  write_bytes(scratch / "dem.asc",
+              "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+  const std::map<std::string, std::string> inputs{
+      {"volume", "v.nrrd"}, {"mesh", "m.vtu"}, {"terrain", scratch / "dem.asc"}};
+  for (const Words& command : kCommandsOfKinds)
+    for (const auto& [kind, input] : inputs) {
+      const auto shown = options_in(run_lode({"help", command[0], kind}).out);
+      for (const std::string& option : options_in(run_lode({"help", command[0]}).out)) {
+        if (shown.contains(option)) continue;
+        Words words{command[0], input};
+        words.insert(words.end(), command.begin() + 1, command.end());
+        words.push_back(option);
+        Finished run = run_lode(words);
+        // One that needs a value.
+        if (run.err.find("required") != std::string::npos) {
+          words.back() += "=1";
+          run = run_lode(words);
+        }
+        EXPECT_EQ(run.exit_code, 2) << command[0] << ' ' << kind << ' ' << option << '\n'
+                                    << run.err;
+        EXPECT_EQ(run.err.find("required"), std::string::npos) << run.err;
+      }
+    }
 }
 
 TEST(cli_usage, prints_its_version) {

@@ -1,0 +1,192 @@
+#include "data_kind.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "lode/api/opened_terrain.h"
+#include "lode/api/tile_verification.h"
+#include "vtk_import.h"
+
+namespace lode::cli {
+namespace {
+
+/// Kinds as the bits 1 << DataKind.
+enum Kinds : std::uint8_t {
+  kVolume = 1,
+  kMesh = 2,
+  kCells = kVolume | kMesh,
+  kTerrain = 4,
+  kUnlessMesh = kVolume | kTerrain,
+  kUnlessVolume = kMesh | kTerrain,
+  kAll = 7,
+};
+
+/// In sentences, as kDataKinds.
+constexpr std::array<const char*, kDataKinds.size()> kDataKindWords{"a volume", "a mesh of cells",
+                                                                    "terrain"};
+
+/// What most options of a group are for; of others all kinds have most.
+const std::map<std::string, Kinds>& kinds_of_groups() {
+  static const std::map<std::string, Kinds> kinds{
+      {"Surface", kVolume},
+      {"Simplification", kVolume},
+      {"Steps", kVolume},
+      {"Moving camera", kCells},
+      {"Meshes and sections", kMesh},
+      {"Meshes of cells", kMesh},
+      {"Reading other formats", kMesh},
+      {"Rasters of heights", kTerrain},
+      {"Rasters to write (.tif)", kTerrain},
+      {"Scattered points", kTerrain},
+      {"Heights", kTerrain},
+      {"Lines of terrain", kTerrain},
+      {"Terrain", kTerrain},
+  };
+  return kinds;
+}
+
+/// Those that are for others than most of their group.
+const std::map<std::string, Kinds>& kinds_of_options() {
+  static const std::map<std::string, Kinds> kinds{
+      // Surface
+      {"isovalue", kCells},
+      {"max-error", kAll},
+      {"clip", kUnlessMesh},
+      {"normals", kCells},
+      // Meshes and sections
+      {"mesh", kCells},
+      {"section", kCells},
+      {"field-range", kCells},
+      // Focus and budget
+      {"ball", kCells},
+      {"half-space", kCells},
+      {"max-space-error", kMesh},
+      {"max-error-px", kAll},
+      {"deadline-ms", kCells},
+      {"focus-point", kTerrain},
+      {"growth", kTerrain},
+      {"exaggeration", kTerrain},
+      // Reading other formats
+      {"field", kCells},
+      {"component", kCells},
+      {"time", kCells},
+      {"nodata", kUnlessMesh},
+      {"dims", kVolume},
+      {"type", kVolume},
+      {"spacing", kVolume},
+      {"origin", kVolume},
+      {"byte-order", kVolume},
+      // build
+      {"resume", kVolume},
+      {"no-resume", kVolume},
+      {"base-cells", kMesh},
+      {"boundary-tolerance", kMesh},
+      {"everywhere", kMesh},
+      {"keep-extrema", kMesh},
+      {"space-errors", kMesh},
+      {"lean", kMesh},
+      {"at", kMesh},
+      {"levels", kTerrain},
+      // extract and verify
+      {"salvage", kVolume},
+      {"exact", kMesh},
+      {"surface", kUnlessMesh},
+      {"simplify", kVolume},
+      {"max-distance", kVolume},
+  };
+  return kinds;
+}
+
+/// Those that are for others in one command than elsewhere.
+std::optional<Kinds> kinds_in_command(const std::string& command, const std::string& name) {
+  if (command != "build" && name == "memory-limit") return kVolume;
+  if (command != "extract" && (name == "clip" || name == "normals")) return kVolume;
+  if (command == "verify" && name == "isovalue") return kVolume;
+  if (command == "verify" && name == "max-error") return kUnlessMesh;
+  if (command != "render") return {};
+  if (name == "max-cells") return kUnlessVolume;
+  // Pictures of volumes and terrain have no foci.
+  for (const char* const of_meshes : {"section", "field-range", "box", "ball", "half-space", "view",
+                                      "view-size", "max-error-outside", "deadline-ms"})
+    if (name == of_meshes) return kMesh;
+  return {};
+}
+
+bool is_of(DataKind kind, const CLI::App& app, const CLI::Option& option) {
+  const std::string& name = option.get_lnames().front();
+  const auto find = [](const std::map<std::string, Kinds>& kinds, const std::string& key) {
+    const auto found = kinds.find(key);
+    return found == kinds.end() ? std::optional<Kinds>{} : found->second;
+  };
+  std::optional<Kinds> kinds = kinds_in_command(app.get_name(), name);
+  if (!kinds) kinds = find(kinds_of_options(), name);
+  if (!kinds) kinds = find(kinds_of_groups(), option.get_group());
+  return (kinds.value_or(kAll) & (1U << static_cast<unsigned>(kind))) != 0;
+}
+
+}  // namespace
+
+std::string HelpFooter::text(std::string_view command, std::optional<DataKind> kind) const {
+  std::string all;
+  std::string examples = "Examples:\n";
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (kind && static_cast<std::size_t>(*kind) != i) continue;
+    const std::string_view paragraphs = parts.at(i).text;
+    if (!paragraphs.empty()) all += std::string(paragraphs) + '\n';
+    examples += parts.at(i).examples;
+  }
+  all += examples;
+  return kind ? fmt::format("{}\nFor all kinds of data: lode {} --help", all, command)
+              : fmt::format(
+                    "{}\nFor one kind of data alone: lode help {} volume (or mesh, terrain), "
+                    "or --help after a FILE",
+                    all, command);
+}
+
+std::optional<DataKind> find_data_kind(std::string_view name) {
+  const auto found = std::ranges::find(kDataKinds, name);
+  if (found == kDataKinds.end()) return {};
+  return static_cast<DataKind>(found - kDataKinds.begin());
+}
+
+DataKind kind_of(const std::string& path) {
+  if (holds_tiles(path) || holds_terrain(path)) return DataKind::terrain;
+  return holds_cells(path) ? DataKind::mesh : DataKind::volume;
+}
+
+std::optional<DataKind> kind_of_files(const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    std::error_code error;
+    if (!argument.starts_with('-') && std::filesystem::exists(argument, error))
+      return kind_of(argument);
+  }
+  return {};
+}
+
+void show_only(DataKind kind, CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    // Options without a group are hidden.
+    if (!option->get_lnames().empty() && !is_of(kind, app, *option)) option->group("");
+  }
+}
+
+Result<void> check_options(const CLI::App& app) {
+  const std::vector<const CLI::Option*> options = app.get_options();
+  const auto input = std::ranges::find_if(
+      options, [](const CLI::Option* option) { return option->get_positional(); });
+  if (input == options.end() || (*input)->results().empty()) return {};
+  const std::string& path = (*input)->results().front();
+  const DataKind kind = kind_of(path);
+  for (const CLI::Option* option : options) {
+    if (option->count() == 0 || option->get_positional() || is_of(kind, app, *option)) continue;
+    return fail("--{}: expected none with {}, got {} (see lode help {} {})",
+                option->get_lnames().front(), kDataKindWords.at(static_cast<std::size_t>(kind)),
+                path, app.get_name(), kDataKinds.at(static_cast<std::size_t>(kind)));
+  }
+  return {};
+}
+
+}  // namespace lode::cli
