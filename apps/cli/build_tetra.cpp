@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cell_mesh_facts.h"
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
@@ -146,26 +147,12 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
   table.add({"file", path});
   table.add({"points", format_count(cells.points.size())});
   table.add({"cells", format_count(cells.n_cells())});
-  const auto add_fields = [&](const char* name, const std::vector<MeshField>& fields) {
-    Json list = Json::array();
-    for (const MeshField& field : fields) {
-      list.push_back({{"name", field.name},
-                      {"type", name_of(field.type)},
-                      {"components", field.n_components}});
-      table.add({name, fmt::format("{}, {}{}", field.name, name_of(field.type),
-                                   field.n_components > 1
-                                       ? fmt::format(", {} components", field.n_components)
-                                       : "")});
-    }
-    json[std::string(name) + "s"] = std::move(list);
-  };
   json["times"] = cells.times;
   if (!cells.times.empty())
     table.add({"time steps",
                fmt::format("{}, at {} to {}", cells.times.size(),
                            format_number(cells.times.front()), format_number(cells.times.back()))});
-  add_fields("point field", cells.point_fields);
-  add_fields("cell field", cells.cell_fields);
+  add_cell_mesh(cells, table, json);
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   if (made.report.time) {
@@ -207,11 +194,10 @@ void add_fields(const TetraInfo& info, Table& table, Json& json) {
     json["fields"].push_back(field_json(field));
     table.add(
         {"field",
-         fmt::format("{}{}, {}, {} to {}, error of the base {} {}{}", field.name,
+         fmt::format("{}{}, {}, {}, error of the base {} {}{}", field.name,
                      field.time ? fmt::format(" at {}", format_number(*field.time)) : "",
-                     name_of(field.type), format_number(field.range_min),
-                     format_number(field.range_max), format_number(field.base_error),
-                     name_of(field.error_place),
+                     name_of(field.type), format_range(field.range_min, field.range_max),
+                     format_number(field.base_error), name_of(field.error_place),
                      field.base_world_error ? fmt::format(", in space {} by an estimate",
                                                           format_number(*field.base_world_error))
                                             : "")});

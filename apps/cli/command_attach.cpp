@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <set>
 
 #include "build_tetra.h"
 #include "command.h"
@@ -66,6 +68,7 @@ Result<std::vector<StepToRead>> steps_of(const AttachArguments& arguments) {
 Result<void> check_attach(const AttachArguments& arguments) {
   if (arguments.files.size() < 3)
     return fail("expected a model, meshes and an output, got {} files", arguments.files.size());
+  if (is_lode_path(arguments.model())) LODE_CHECK(check_lode_opens(arguments.model()));
   if (!is_lode_path(arguments.model()) || !holds_tetrahedra(arguments.model()))
     return fail("{}: expected a .lode file made from a mesh of cells", arguments.model());
   LODE_CHECK(check_extension(arguments.output(), ".lode"));
@@ -82,9 +85,33 @@ Result<void> check_attach(const AttachArguments& arguments) {
   return check_paths_differ(inputs, {arguments.output()});
 }
 
+/// Names of the model's fields that have times.
+Result<std::set<std::string>> timed_fields(const std::string& path) {
+  LODE_TRY(const TetraDataset model, TetraDataset::open(path));
+  std::set<std::string> names;
+  for (const TetraFieldInfo& field : model.describe().fields)
+    if (field.time) names.insert(field.name);
+  return names;
+}
+
+/// A step of a field that has others takes the time that its file says, if it is told none.
+Result<std::optional<double>> time_of(const StepToRead& step, const TetrahedraOutcome& made,
+                                      const std::set<std::string>& timed) {
+  if (step.time) return step.time;
+  const auto other = std::ranges::find_if(
+      made.mesh.fields, [&](const MeshField& field) { return timed.contains(field.name); });
+  if (!step.has_own_time && other == made.mesh.fields.end()) return std::optional<double>();
+  if (made.report.time) return made.report.time;
+  return fail(
+      "--at: expected a time, as the model has {} at others and {} does not say its own, "
+      "got none",
+      other->name, step.path);
+}
+
 Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
   LODE_CHECK(check_writable(arguments.output()));
   LODE_TRY(const std::vector<StepToRead> steps, steps_of(arguments));
+  LODE_TRY(const std::set<std::string> timed, timed_fields(arguments.model()));
   std::size_t at = 0;
   const auto next = [&]() -> Result<std::optional<TetraStep>> {
     if (at == steps.size()) return std::optional<TetraStep>();
@@ -95,8 +122,8 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
       return fail(
           "--at: expected the times of {} steps as T,T,..., as {} does not say its own, got none",
           steps.size(), step.path);
-    return std::optional(TetraStep{std::move(made.mesh),
-                                   step.has_own_time ? made.report.time : step.time,
+    LODE_TRY(const std::optional<double> time, time_of(step, made, timed));
+    return std::optional(TetraStep{std::move(made.mesh), time,
                                    solution.empty() ? step.path : step.path + ", " + solution});
   };
   LODE_TRY(const TetraAttachReport report,
@@ -143,7 +170,7 @@ Command add_attach_command(CLI::App& program) {
       ->required();
   app->add_option("--at", arguments->at,
                   "The time of each step, in any unit, as T,T,...; or 'file', as the files say it "
-                  "(default of several steps)")
+                  "(default of several steps, and of a field that the model has at others)")
       ->type_name("T");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_attach(*arguments); },

@@ -106,8 +106,7 @@ Json count_json(const CountArguments& arguments, const Input& input, const Count
 
 std::string count_text(const Input& input, const CountOptions& options, const CountReport& report) {
   Table head;
-  head.add({"range", fmt::format("{} to {}", format_number(input.info.range_min),
-                                 format_number(input.info.range_max))});
+  head.add({"range", format_range(input.info.range_min, input.info.range_max)});
   ExtractOptions like;
   like.max_error = options.max_error;
   head.add({"max error", describe_tolerance(like, report.max_error)});

@@ -95,9 +95,7 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
   Table table;
   if (!volume.field_name.empty()) table.add({"field", volume.field_name});
   table.add({"read as", std::string(name_of(volume.type))});
-  table.add({"range", has_values ? fmt::format("{} to {}", format_number(range.lower),
-                                               format_number(range.upper))
-                                 : "none"});
+  table.add({"range", has_values ? format_range(range.lower, range.upper) : "none"});
   table.add({"holes", fmt::format("{} samples", format_count(range.n_holes))});
   outcome.text += '\n' + table.to_string();
   return {};

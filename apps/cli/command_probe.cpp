@@ -54,6 +54,16 @@ Result<ProbeAnswer> answer_of(const TetraDataset& dataset, const ProbeJob& job,
   return answer;
 }
 
+void warn_of_inverted_cells(Session& session, const TetraInput& input, const ProbeAnswer& answer) {
+  if (const std::uint64_t n = input.n_inverted(); n > 0 && answer.integral)
+    session.warn(fmt::format(
+        "the mesh has {} inverted cells, folded over others: they count with the opposite sign, so "
+        "volumes are of what the boundary encloses; bounds of the integral leave out that the "
+        "field "
+        "has several values there",
+        n));
+}
+
 void warn_of_answer(Session& session, const ProbeAnswer& answer) {
   if (answer.integral && answer.integral->is_empty)
     session.warn("the integral is empty: the region has no part of a cell");
@@ -90,9 +100,8 @@ Table head_table(const ProbeArguments& arguments, const TetraInput& input,
                  const ProbeAnswer& answer, Json& json) {
   const TetraInfo& info = input.dataset.describe();
   Table table;
-  table.add({"field",
-             fmt::format("{}, {} to {}", input.field().name, format_number(input.field().range_min),
-                         format_number(input.field().range_max))});
+  table.add({"field", fmt::format("{}, {}", input.field().name,
+                                  format_range(input.field().range_min, input.field().range_max))});
   add_reading(input, table, json);
   const std::string suffix = std::string(" ") + name_of(answer.report.error_place);
   table.add({"max error", answer.report.max_error == 0 ? std::string("0: full resolution")
@@ -148,6 +157,7 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
   for (const std::size_t place : input.fields.along)
     answer.with.push_back(input.dataset.describe().fields[place].name);
   warn_of_answer(session, answer);
+  warn_of_inverted_cells(session, input, answer);
   if (!arguments.output.empty())
     LODE_CHECK(write_text(arguments.output, probe_csv(answer), session.progress()));
   Outcome outcome;

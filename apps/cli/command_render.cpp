@@ -6,6 +6,7 @@
 #include "extraction_options.h"
 #include "input.h"
 #include "lode/api/creased_caps.h"
+#include "lode/api/suggested_isovalue.h"
 #include "outputs.h"
 #include "parse.h"
 #include "render_path.h"
@@ -74,6 +75,8 @@ Result<RenderOptions> to_render_options(const RenderArguments& arguments) {
   options.height = static_cast<int>(size[1]);
   if (!arguments.color.empty()) {
     LODE_TRY(options.color, parse_color_option("--color", arguments.color));
+    if (options.color->a < 255)
+      return fail("--color: expected an opaque colour, as surfaces are, got '{}'", arguments.color);
   }
   if (!arguments.background.empty()) {
     LODE_TRY(options.background, parse_background(arguments.background));
@@ -126,7 +129,7 @@ Result<void> check_render(const RenderArguments& arguments, const CLI::App& app)
         "--warp, a focus, --threshold, --region, --max-cells or --deadline-ms, got a volume",
         arguments.input);
   LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
-  if (extraction.isovalues.empty()) return no_isovalue(arguments.input, arguments.reading);
+  if (extraction.isovalues.empty()) LODE_CHECK(check_is_volume(arguments.input, arguments.reading));
   LODE_CHECK(check_extension(arguments.output, ".png"));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
   if (auto options = to_render_options(arguments); !options) return options.error();
@@ -173,6 +176,10 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
   outcome.json = rendering_json(arguments, options, input, rendering);
   outcome.json["warnings"] = warnings;
   Table table;
+  std::string isovalues;
+  for (const double isovalue : options.isovalues)
+    isovalues += (isovalues.empty() ? "" : "; ") + format_number(isovalue);
+  table.add({options.isovalues.size() == 1 ? "isovalue" : "isovalues", isovalues});
   table.add({"max error", describe_tolerance(options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   const bool is_lines = input.info.model == "diamond2d";
@@ -237,6 +244,12 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
   set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
             extraction.max_error);
+  if (extraction.isovalues.empty()) {
+    LODE_TRY(const double isovalue, suggest_isovalue(input.dataset, session.progress()));
+    extraction.isovalues = {isovalue};
+    session.note(
+        fmt::format("--isovalue {:.9g}, as none was given: it parts the values best", isovalue));
+  }
   Rendering rendering;
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));

@@ -54,7 +54,9 @@ const std::map<std::string, Kinds>& kinds_of_options() {
       // Surface
       {"isovalue", kCells},
       {"max-error", kAll},
-      {"clip", kUnlessMesh},
+      {"clip", kAll},
+      {"min-component", kCells},
+      {"flip", kCells},
       {"normals", kCells},
       // Meshes and sections
       {"mesh", kCells},
@@ -103,7 +105,9 @@ const std::map<std::string, Kinds>& kinds_of_options() {
 /// Those that are for others in one command than elsewhere.
 std::optional<Kinds> kinds_in_command(const std::string& command, const std::string& name) {
   if (command != "build" && name == "memory-limit") return kVolume;
-  if (command != "extract" && (name == "clip" || name == "normals")) return kVolume;
+  if (command != "extract")
+    for (const char* const of_volumes : {"clip", "normals", "min-component", "flip"})
+      if (name == of_volumes) return kVolume;
   if (command == "verify" && name == "isovalue") return kVolume;
   if (command == "verify" && name == "max-error") return kUnlessMesh;
   if (command != "render") return {};
@@ -115,7 +119,7 @@ std::optional<Kinds> kinds_in_command(const std::string& command, const std::str
   return {};
 }
 
-bool is_of(DataKind kind, const CLI::App& app, const CLI::Option& option) {
+unsigned kinds_of(const CLI::App& app, const CLI::Option& option) {
   const std::string& name = option.get_lnames().front();
   const auto find = [](const std::map<std::string, Kinds>& kinds, const std::string& key) {
     const auto found = kinds.find(key);
@@ -124,7 +128,21 @@ bool is_of(DataKind kind, const CLI::App& app, const CLI::Option& option) {
   std::optional<Kinds> kinds = kinds_in_command(app.get_name(), name);
   if (!kinds) kinds = find(kinds_of_options(), name);
   if (!kinds) kinds = find(kinds_of_groups(), option.get_group());
-  return (kinds.value_or(kAll) & (1U << static_cast<unsigned>(kind))) != 0;
+  return kinds.value_or(kAll);
+}
+
+bool has(unsigned kinds, std::size_t kind) { return (kinds >> kind & 1U) != 0; }
+
+bool is_of(DataKind kind, const CLI::App& app, const CLI::Option& option) {
+  return has(kinds_of(app, option), static_cast<std::size_t>(kind));
+}
+
+/// "a volume or terrain"
+std::string describe(unsigned kinds) {
+  std::string text;
+  for (std::size_t i = 0; i < kDataKindWords.size(); ++i)
+    if (has(kinds, i)) text += (text.empty() ? "" : " or ") + std::string(kDataKindWords.at(i));
+  return text;
 }
 
 }  // namespace
@@ -182,8 +200,10 @@ Result<void> check_options(const CLI::App& app) {
   const DataKind kind = kind_of(path);
   for (const CLI::Option* option : options) {
     if (option->count() == 0 || option->get_positional() || is_of(kind, app, *option)) continue;
-    return fail("--{}: expected none with {}, got {} (see lode help {} {})",
-                option->get_lnames().front(), kDataKindWords.at(static_cast<std::size_t>(kind)),
+    // A file that is not there is of no kind.
+    if (is_lode_path(path)) LODE_CHECK(check_lode_opens(path));
+    return fail("--{}: expected {}, got {}: {} (see lode help {} {})", option->get_lnames().front(),
+                describe(kinds_of(app, *option)), kDataKindWords.at(static_cast<std::size_t>(kind)),
                 path, app.get_name(), kDataKinds.at(static_cast<std::size_t>(kind)));
   }
   return {};

@@ -90,7 +90,7 @@ void add_sizes(Table& table, const DatasetInfo& info) {
 
 std::string describe_range(const DatasetInfo& info) {
   if (info.n_holes == static_cast<std::uint64_t>(info.volume.grid.n_samples())) return "none";
-  return fmt::format("{} to {}", format_number(info.range_min), format_number(info.range_max));
+  return format_range(info.range_min, info.range_max);
 }
 
 std::string describe_levels(const DatasetInfo& info) {

@@ -15,12 +15,24 @@ std::string_view what_ended(const Standing& standing) {
   return standing.memory_met ? "the end of --max-cells" : "the memory limit";
 }
 
+/// Where the error bound holds. Outside of a focus anything may be left, unless that has a
+/// tolerance.
+const char* place_of_bound(const Query& query) {
+  if (query.max_error_outside) return "everywhere";
+  const bool has_regions =
+      !query.boxes.empty() || !query.balls.empty() || !query.half_spaces.empty();
+  if (query.view) return has_regions ? "in the focus, as far as it is in view" : "in view";
+  return has_regions ? "in the focus" : "everywhere";
+}
+
 Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& report,
-                  const Surface& surface) {
+                  const Surface& surface, const Query& query) {
   Json json = extract_head(job.input, input, {job.output});
+  json["isovalues"] = query.isovalues;
   json["max_error"] = report.max_error ? Json(*report.max_error) : Json();
   json["max_error_px"] = report.max_error_px ? Json(*report.max_error_px) : Json();
   json["error_bound"] = report.standing.error_bound;
+  json["error_bound_holds"] = place_of_bound(query);
   json["achieved_px"] = report.max_error_px ? Json(report.achieved_px) : Json();
   json["is_settled"] = report.standing.is_settled;
   json["budget_met"] = report.standing.budget_met;
@@ -42,13 +54,14 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
 }
 
 std::string focused_text(const MeshJob& job, const Input& input, const FocusedReport& report,
-                         const Surface& surface) {
+                         const Surface& surface, const Query& query) {
   Table table;
   if (report.max_error)
     table.add({"max error", *report.max_error == 0 && job.extraction.max_error.empty()
                                 ? "as small as the limit allows"
                                 : format_number(*report.max_error)});
-  table.add({"error bound", format_number(report.standing.error_bound)});
+  table.add(
+      {"error bound", format_number(report.standing.error_bound) + ' ' + place_of_bound(query)});
   add_salvage(table, input.dataset.salvaged(), report.standing.error_bound);
   if (report.max_error_px) {
     table.add({"max error in view", format_number(*report.max_error_px) + " pixels"});
@@ -81,6 +94,11 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
         fmt::format("the memory limit is too small for the tolerance everywhere: raise it, or "
                     "narrow the focus (error bound {})",
                     format_number(report.standing.error_bound)));
+  if (report.max_error && *report.max_error > 0 && report.standing.budget_met &&
+      report.standing.budget_ended && report.standing.error_bound > *report.max_error)
+    session.warn(fmt::format("--max-error {} takes more than --max-cells: error bound {}",
+                             format_number(*report.max_error),
+                             format_number(report.standing.error_bound)));
   if (!surface.is_empty()) return;
   const bool is_limited = !report.standing.is_settled || !report.standing.memory_met || has_budget;
   if (!is_limited || report.standing.error_bound == 0) {
@@ -127,16 +145,17 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   warn_of_focused(session, report, surface, plain, input.info, options.query.budget.is_limited());
   LODE_CHECK(write_surface(
       job.output, surface,
-      {.comment = fmt::format("Lode {}: isovalue {}, error_bound {}{}", LODE_VERSION,
-                              options.query.isovalues.front(), report.standing.error_bound,
-                              salvage_comment(input.dataset.salvaged())),
+      {.comment =
+           fmt::format("Lode {}: isovalue {}, error_bound {} {}{}", LODE_VERSION,
+                       options.query.isovalues.front(), report.standing.error_bound,
+                       place_of_bound(options.query), salvage_comment(input.dataset.salvaged())),
        .frame = input.info.volume.grid.frame,
        .threads = session.threads()},
       session.progress()));
   Outcome outcome;
-  outcome.json = focused_json(job, input, report, surface);
+  outcome.json = focused_json(job, input, report, surface, options.query);
   outcome.json["warnings"] = session.warnings();
-  outcome.text = focused_text(job, input, report, surface);
+  outcome.text = focused_text(job, input, report, surface, options.query);
   return outcome;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lode/api/finishing.h"
 #include "lode/api/mesh_picture.h"
 #include "outputs.h"
 #include "parse.h"
@@ -110,6 +111,7 @@ std::string name_of_count(const std::string& key) {
   if (key == "largest_error") return "error anywhere";
   if (key == "cut_cells") return "cells of the cut";
   if (key == "left_out") return "cells left out";
+  if (key == "components_dropped") return "pieces dropped";
   return key == "inverted_cells" ? "cells turned round" : key;
 }
 
@@ -121,8 +123,8 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   Outcome outcome;
   outcome.json = answer_json(job, input, made, counts);
   Table table;
-  table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
-                                  format_number(field.range_max))});
+  table.add(
+      {"field", fmt::format("{}, {}", field.name, format_range(field.range_min, field.range_max))});
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
   add_reading(input, table, outcome.json);
@@ -159,6 +161,22 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
 
 constexpr const char* kMeshOfCells = "mesh of cells";
 
+/// What is done to a surface when it is there is none of a query's business.
+ExtractionArguments without_edits(ExtractionArguments extraction) {
+  extraction.clip.clear();
+  extraction.min_component.clear();
+  extraction.flip = false;
+  return extraction;
+}
+
+/// Crops a surface, drops small pieces of it and turns it round, as was asked for; what is left.
+Result<Dropped> edit_surface(const MeshJob& job, Threads threads, Surface& surface) {
+  LODE_TRY(ExtractOptions edits, to_extract_options(job.extraction));
+  edits.threads = threads;
+  if (!edits.clip && edits.min_component < 2 && !job.extraction.flip) return Dropped{};
+  return finish_edits(edits, surface);
+}
+
 /// What is wanted of a mesh of cells, when its arguments have been looked at.
 struct TetraJob {
   TetraMeshOptions mesh;         ///< With --mesh and --boundary,
@@ -168,7 +186,7 @@ struct TetraJob {
 };
 
 Result<TetraJob> section_job(const MeshJob& job) {
-  LODE_TRY(const SectionOptions one, to_section_options(job.query, job.extraction));
+  LODE_TRY(const SectionOptions one, to_section_options(job.query, without_edits(job.extraction)));
   TetraJob made;
   LODE_TRY(made.sections.planes, to_planes(job.query));
   made.sections.isovalues = one.isovalues;
@@ -193,7 +211,8 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
   const char* const answer = job.query.is_mesh       ? "--mesh"
                              : job.query.is_boundary ? "--boundary"
                                                      : kMeshOfCells;
-  ExtractionArguments extraction = job.extraction;
+  ExtractionArguments extraction =
+      job.query.is_mesh ? job.extraction : without_edits(job.extraction);
   // Only isosurfaces have normals.
   if (!job.query.is_wanted()) extraction.normals = "on";
   TetraJob made;
@@ -369,6 +388,12 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input, job, wanted, surface, session.progress()));
   LODE_CHECK(apply_warp(job.query.warp, job.reading, surface));
+  const bool is_empty = surface.is_empty();
+  LODE_TRY(const Dropped dropped, edit_surface(job, session.threads(), surface));
+  if (surface.is_empty() && !is_empty)
+    session.warn(job.extraction.clip.empty()
+                     ? "the surface is empty: all of its pieces are below --min-component"
+                     : "the surface is empty: no large enough piece of it is in --clip");
   LODE_TRY(const std::uint64_t n_inverted, count_turned(input, job, wanted, session));
   warn_of_inverted(session, n_inverted);
   warn_of_budget(session, report);
@@ -383,9 +408,10 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   LODE_CHECK(write_surfaces(job, input, surface, made, session));
   made.write_seconds = watch.seconds();
   Json counts;
-  counts["triangles"] = report.n_triangles;
-  if (job.query.is_section()) counts["lines"] = report.n_lines;
-  counts["vertices"] = report.n_vertices;
+  counts["triangles"] = surface.triangles.size();
+  if (job.query.is_section()) counts["lines"] = surface.lines.size();
+  counts["vertices"] = surface.positions.size();
+  if (!job.extraction.min_component.empty()) counts["components_dropped"] = dropped.components;
   counts["cut_cells"] = report.n_cut_cells;
   if (job.query.warp.is_wanted()) counts["inverted_cells"] = n_inverted;
   if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;

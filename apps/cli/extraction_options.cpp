@@ -37,7 +37,10 @@ Result<Box3d> parse_clip(const std::string& text) {
 
 void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
   const char* group = "Surface";
-  app.add_option("--isovalue", arguments.isovalues, "Value of the surface; may be repeated")
+  app.add_option("--isovalue", arguments.isovalues,
+                 "Value of the surface; may be repeated (default of a picture of a volume: one "
+                 "that parts the "
+                 "values best)")
       ->type_name("V")
       ->allow_extra_args(false)
       ->group(group);
@@ -70,9 +73,10 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
          "or --remove-slivers: then the distance is from what is left. Of these P is "
          "--max-error at most, and with both, but of cubes, nothing is left out")
       ->group(group);
-  app.add_option(
-         "--clip", arguments.clip,
-         "Crop to a box in world units; of terrain the triangles that meet X0,X1,Y0,Y1, whole")
+  app.add_option("--clip", arguments.clip,
+                 "Crop to a box in world units (not --mesh); of terrain the triangles that meet "
+                 "X0,X1,Y0,Y1, "
+                 "whole")
       ->type_name("X0,X1,Y0,Y1[,Z0,Z1]")
       ->group(group);
   app.add_flag("--close-border", arguments.close_border,
@@ -218,7 +222,7 @@ void warn_of_coordinates(Session& session, const RegularGrid& grid) {
   const double steps = coordinate_step(grid);
   if (steps > kMany)
     session.warn(fmt::format(
-        "coordinates are {:.2g} of the least spacing apart where the data lie: vertices may be at "
+        "coordinates are {:.2g} of a step of the grid apart where the data lie: vertices may be at "
         "one place, and triangles meet",
         steps));
 }

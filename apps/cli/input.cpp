@@ -71,16 +71,21 @@ bool is_same_file(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+Result<void> check_is_volume(const std::string& path, const ReadingArguments& reading) {
+  if (is_lode_path(path)) return check_lode_opens(path);
+  if (is_volume_path(path) || !reading.dims.empty()) return {};
+  return fail(
+      "{}: expected a volume and --isovalue, a mesh of cells (.vtu, ...), {}, or a .lode file, "
+      "got another file",
+      path, kTerrainFiles);
+}
+
 Error no_isovalue(const std::string& path, const ReadingArguments& reading) {
-  if (is_lode_path(path)) {
-    if (const auto opens = check_lode_opens(path); !opens) return opens.error();
-  } else if (!is_volume_path(path) && reading.dims.empty()) {
-    return fail(
-        "{}: expected a volume and --isovalue, a mesh of cells (.vtu, ...), {}, or a .lode file, "
-        "got another file",
-        path, kTerrainFiles);
-  }
-  return fail("--isovalue: expected at least one value, got none");
+  if (const auto volume = check_is_volume(path, reading); !volume) return volume.error();
+  return fail(
+      "--isovalue: expected at least one value, got none: lode info {} shows the range of values, "
+      "lode count what surfaces they give, and lode render draws one that it chooses",
+      path);
 }
 
 Result<void> expect_no_mesh(const std::string& path) {

@@ -59,8 +59,11 @@ struct Input {
   bool was_built = false;   ///< From a foreign file, in memory.
 };
 
-/// For --isovalue, which a volume needs. Of a .lode file that cannot be opened why, and of what is
-/// no volume by its name what else there is: whoever meant terrain or a mesh needs to know that.
+/// Of a .lode file that cannot be opened why, and of what is no volume by its name what else there
+/// is: whoever meant terrain or a mesh needs to know that.
+[[nodiscard]] Result<void> check_is_volume(const std::string& path,
+                                           const ReadingArguments& reading);
+/// The same, or that an --isovalue is missing.
 [[nodiscard]] Error no_isovalue(const std::string& path, const ReadingArguments& reading);
 
 /// Fails on a mesh of cells, naming it.

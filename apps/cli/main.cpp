@@ -114,11 +114,11 @@ int print_outcome(const Outcome& outcome, bool is_json) {
 }
 
 int run_command(const Command& command, const CommonOptions& options) {
-  if (const auto status = command.check(); !status)
-    return report_error(status.error().message, kUsage, options.json);
   if (command.footer)
     if (const auto status = check_options(*command.app); !status)
       return report_error(status.error().message, kUsage, options.json);
+  if (const auto status = command.check(); !status)
+    return report_error(status.error().message, kUsage, options.json);
   ProgressBar bar(options.quiet ? ProgressDisplay::off : ProgressDisplay::terminal);
   Progress progress([&bar](std::string_view phase, double fraction, std::uint64_t n_bytes) {
     bar.update(phase, fraction, n_bytes);

@@ -99,6 +99,9 @@ void add_probe_options(CLI::App& app, ProbeArguments& arguments) {
   add("--max-error", arguments.max_error, "E",
       "Tolerance in field units, or with % of the range of values: coarser, and with wider bounds "
       "(default: 0, full resolution)");
+  add("--snap", arguments.snap, "D",
+      "With --point, --points, or N points of a --line: points that are outside, but no farther "
+      "from a cell than D, get what it has there (default: what rounds coordinates)");
   add("-o,--output", arguments.output, "OUT.csv", "Write the rows to a file, too");
 }
 
@@ -114,6 +117,14 @@ Result<ProbeJob> to_probe_job(const ProbeArguments& arguments, Threads threads) 
   }
   if (!arguments.max_error.empty()) {
     LODE_TRY(job.options.max_error, parse_tolerance("--max-error", arguments.max_error));
+  }
+  if (!arguments.snap.empty()) {
+    const bool is_of_points =
+        job.kind == ProbeKind::points || (job.kind == ProbeKind::line && job.line.n_points > 0);
+    if (!is_of_points) return fail("--snap: expected --point, --points or --line with N with it");
+    LODE_TRY(job.options.snap, parse_number("--snap", arguments.snap));
+    if (!(job.options.snap >= 0))
+      return fail("--snap: expected a distance >= 0, got '{}'", arguments.snap);
   }
   job.options.threads = threads;
   job.integral = {.max_error = job.options.max_error, .threads = threads};

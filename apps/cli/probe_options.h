@@ -20,6 +20,7 @@ struct ProbeArguments {
   std::string box;
   std::vector<std::string> regions;
   std::string max_error;
+  std::string snap;
   std::string output;
   ReadingArguments reading;
 };

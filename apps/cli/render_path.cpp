@@ -95,7 +95,8 @@ Result<void> check_path(const PathArguments& arguments, const std::vector<std::s
 Result<Json> draw_path(const PathJob& job, Session& session, OutputSet& outputs) {
   Progress& progress = session.progress();
   const Box3d bounds = job.input.info.volume.grid.world_bounds();
-  LODE_TRY(const auto cameras, camera_path(job.arguments.path, bounds));
+  const double aspect = static_cast<double>(job.picture.width) / job.picture.height;
+  LODE_TRY(const auto cameras, camera_path(job.arguments.path, bounds, aspect));
   Query query;
   query.isovalues = job.extraction.isovalues;
   query.max_error = job.extraction.max_error;

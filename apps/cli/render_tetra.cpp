@@ -71,6 +71,7 @@ Json picture_json(const TetraPictureJob& job, const TetraInput& input, const Tet
   json["reference_cells"] = input.dataset.describe().n_cells;
   json["triangles"] = made.picture.n_triangles;
   json["section_triangles"] = made.picture.n_section_triangles;
+  json["boundary_triangles"] = made.picture.n_boundary_triangles;
   json["lines"] = made.picture.n_lines;
   if (is_left_out(plan.wanted)) json["left_out"] = made.mesh.n_left_out;
   json["budget_met"] = made.mesh.budget_met;
@@ -88,8 +89,8 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   const TetraFieldInfo& field = input.field();
   Outcome outcome{.json = picture_json(job, input, told), .text = {}};
   Table table;
-  table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
-                                  format_number(field.range_max))});
+  table.add(
+      {"field", fmt::format("{}, {}", field.name, format_range(field.range_min, field.range_max))});
   add_reading(input, table, outcome.json);
   table.add({"max error", describe_max_error(made.mesh.max_error)});
   table.add({"achieved error", format_number(made.mesh.achieved_error) + ' ' +
@@ -106,6 +107,8 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   if (is_left_out(plan.wanted)) table.add({"cells left out", format_count(made.mesh.n_left_out)});
   if (made.picture.n_triangles > 0)
     table.add({"triangles", format_count(made.picture.n_triangles)});
+  if (made.picture.n_boundary_triangles > 0)
+    table.add({"triangles of boundary", format_count(made.picture.n_boundary_triangles)});
   if (made.picture.n_section_triangles > 0)
     table.add({"triangles of sections", format_count(made.picture.n_section_triangles)});
   table.add({"size", fmt::format("{}x{} pixels", job.options.width, job.options.height)});
@@ -138,7 +141,14 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   const auto add_flag = [&](const char* name, bool& value, const char* help) {
     app.add_flag(name, value, help)->group("Meshes of cells");
   };
-  add_flag("--boundary", arguments.has_boundary, "Show the mesh's boundary as a thin film");
+  app.add_flag("--boundary{film}", arguments.boundary,
+               "Show the mesh's boundary as a thin film; =field: opaque, coloured by the field "
+               "(default, where nothing else is asked for)")
+      ->group("Meshes of cells");
+  add("--legend", arguments.legend, "on|off",
+      "A bar of the colours of the field, with values (default: on, in pictures of at least "
+      "320x240 "
+      "that have such colours)");
   add_flag("--wireframe", arguments.has_wireframe, "Show all edges of the mesh");
   add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
   add_focus_options(app, arguments.query);
@@ -154,11 +164,12 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   if (!job.reading.with.empty() && !job.picture.query.warp.is_wanted())
     return fail("--with: expected none with a picture, which shows one field, got {}",
                 job.reading.with.front());
-  if (plan.shown.isovalues.empty() && !job.picture.is_of_mesh())
-    return fail(
-        "{}: expected --isovalue, --opacity, --section, --boundary, --wireframe or --points, got "
-        "none",
-        job.input);
+  const std::string& boundary = job.picture.boundary;
+  if (!boundary.empty() && boundary != "film" && boundary != "field")
+    return fail("--boundary: expected film or field, got '{}'", boundary);
+  const std::string& legend = job.picture.legend;
+  if (!legend.empty() && legend != "on" && legend != "off")
+    return fail("--legend: expected on or off, got '{}'", legend);
   LODE_CHECK(check_extension(job.output, ".png"));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   LODE_CHECK(check_opacity(job.picture.query.opacity));
@@ -178,6 +189,7 @@ Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) 
   LODE_TRY(const std::vector<Camera> cameras, path_cameras(job, input.dataset.describe().bounds));
   LODE_TRY(const std::optional<Camera> camera, picture_camera(job, cameras));
   LODE_TRY(const TetraPicturePlan plan, plan_picture(job, input, camera, session));
+  if (job.is_default()) session.note("nothing to show was named: --boundary=field");
   OutputSet outputs(outputs_of(job));
   Json path;
   if (!cameras.empty()) {

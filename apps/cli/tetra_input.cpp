@@ -411,6 +411,10 @@ std::optional<double> TetraInput::time() const {
   return std::nullopt;
 }
 
+std::uint64_t TetraInput::n_inverted() const {
+  return report ? report->n_inverted : kept_inverted(dataset.describe().record);
+}
+
 void add_reading(const TetraInput& input, Table& table, Json& json) {
   const std::optional<double> time = input.time();
   json["time"] = time ? Json(*time) : Json(nullptr);

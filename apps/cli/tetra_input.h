@@ -23,6 +23,8 @@ struct TetraInput {
   /// Of the fields' step; none where no field has steps, or it has no time.
   [[nodiscard]] std::optional<double> time() const;
   [[nodiscard]] bool was_built() const { return report.has_value(); }
+  /// Cells of the mesh that are folded over others.
+  [[nodiscard]] std::uint64_t n_inverted() const;
 };
 
 /// "at samples" or "everywhere".

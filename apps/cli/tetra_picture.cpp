@@ -39,17 +39,24 @@ Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
   MeshPictureOptions options;
   LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
   options.render = job.options;
-  if (job.is_default_samples && extraction.isovalues.empty() &&
+  options.has_boundary = job.is_default() || job.picture.boundary == "field";
+  if (job.is_default_samples && extraction.isovalues.empty() && !options.has_boundary &&
       job.picture.query.sections.empty() && !job.picture.has_wireframe && !job.picture.has_points)
     options.render.samples_per_pixel = kVolumeSamples;
   options.isovalues = extraction.isovalues;
   options.has_wireframe = job.picture.has_wireframe;
   options.has_points = job.picture.has_points;
-  options.boundary_opacity = job.picture.has_boundary ? kBoundaryOpacity : 0;
+  options.boundary_opacity = job.picture.boundary == "film" ? kBoundaryOpacity : 0;
   if (options.has_wireframe) options.render.line_width_px = kWireWidth;
   LODE_TRY(options.sections, to_planes(job.picture.query));
   if (!job.picture.query.opacity.empty()) options.opacity = TransferFunction{{TransferKnot{}}};
   return options;
+}
+
+/// The field, and its time where it has one.
+std::string title_of(const TetraInput& input) {
+  const std::optional<double> time = input.time();
+  return input.field().name + (time ? fmt::format(" at {}", format_number(*time)) : "");
 }
 
 }  // namespace
@@ -68,6 +75,7 @@ Result<TetraPicturePlan> plan_picture(const TetraPictureJob& job, const TetraInp
   TetraPicturePlan plan;
   LODE_TRY(plan.shown, to_picture(job));
   plan.shown.colors = {input.field().range_min, input.field().range_max};
+  if (job.picture.legend != "off") plan.shown.legend = title_of(input);
   if (!job.picture.query.opacity.empty()) {
     LODE_TRY(plan.shown.opacity,
              to_transfer_function(job.picture.query.opacity, info.bounds, plan.shown.colors));
@@ -104,6 +112,8 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraPicture
            apply_warp(job.picture.query.warp, job.reading, session.threads(), mesh));
   warn(inverted_warning(n_inverted));
   LODE_TRY(made.image, draw_mesh(mesh, shown, made.picture, session.progress()));
+  if (!made.picture.legend_fault.empty())
+    warn(fmt::format("there is no legend: {}", made.picture.legend_fault));
   for (const double isovalue : made.picture.unmet)
     warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
   return made;

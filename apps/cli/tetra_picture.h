@@ -19,14 +19,15 @@ namespace lode::cli {
 /// The options of `lode render` that only meshes of cells have, as typed.
 struct TetraPictureArguments {
   QueryArguments query;  ///< With sections, opacity and warp; neither --mesh nor --boundary.
-  bool has_boundary = false;
+  std::string boundary;  ///< "film", "field" or empty.
+  std::string legend;    ///< "on", "off" or empty.
   bool has_wireframe = false;
   bool has_points = false;
 
   /// Whether all of the mesh is shown, and not isosurfaces alone.
   [[nodiscard]] bool is_of_mesh() const {
-    return !query.opacity.empty() || !query.sections.empty() || has_boundary || has_wireframe ||
-           has_points;
+    return !query.opacity.empty() || !query.sections.empty() || !boundary.empty() ||
+           has_wireframe || has_points;
   }
   [[nodiscard]] bool is_empty() const { return !is_of_mesh() && query == QueryArguments(); }
 };
@@ -44,6 +45,10 @@ struct TetraPictureJob {
   RenderOptions options;      ///< All but the camera.
   bool is_default_samples = true;
 
+  /// The boundary, coloured, if nothing else is asked for.
+  [[nodiscard]] bool is_default() const {
+    return extraction.isovalues.empty() && !picture.is_of_mesh();
+  }
   /// What is asked of the mesh, as typed.
   [[nodiscard]] QueryArguments query() const {
     QueryArguments arguments = picture.query;

@@ -17,6 +17,7 @@ struct CountName {
   std::uint64_t usual = 0;  ///< Not worth a row.
 };
 
+constexpr const char* kInverted = "inverted";
 constexpr std::array<CountName, 17> kCounts{
     {{"ghost_cells", "ghost cells left out", &TetraReport::n_ghost_cells},
      {"hidden_cells", "hidden cells left out", &TetraReport::n_hidden_cells},
@@ -33,7 +34,7 @@ constexpr std::array<CountName, 17> kCounts{
      {"zero_volume", "cells without volume", &TetraReport::n_zero_volume},
      {"left_handed", "left-handed cells turned", &TetraReport::n_left_handed},
      {"turned_wedges", "wedges turned", &TetraReport::n_turned_wedges},
-     {"inverted", "inverted cells", &TetraReport::n_inverted},
+     {kInverted, "inverted cells", &TetraReport::n_inverted},
      {"components", "components", &TetraReport::n_components, 1}}};
 
 constexpr const char* kNotTaken = "not taken for regions";
@@ -119,6 +120,12 @@ void add_kept_reading(const TetraBuildRecord& record, Table& table, Json& json) 
     json["notes"].push_back({{"about", name}, {"note", text}});
     table.add({name, text});
   }
+}
+
+std::uint64_t kept_inverted(const TetraBuildRecord& record) {
+  for (const auto& [key, n] : record.reading)
+    if (key == kInverted) return n;
+  return 0;
 }
 
 const char* name_of(CollapseOrder order) {

@@ -15,6 +15,9 @@ void keep_reading(const TetraReport& report, TetraBuildOptions& options);
 /// The same, as it was kept.
 void add_kept_reading(const TetraBuildRecord& record, Table& table, Json& json);
 
+/// Of what was kept, the cells that are folded over others.
+[[nodiscard]] std::uint64_t kept_inverted(const TetraBuildRecord& record);
+
 /// As --order has it.
 [[nodiscard]] const char* name_of(CollapseOrder order);
 /// Order, extrema, the boundary's tolerance, and what keeps the vertices of the base.

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <iterator>
 #include <numeric>
 
@@ -19,6 +20,19 @@ std::string with_separators(std::string digits) {
   if (end == std::string::npos) end = digits.size();
   for (std::size_t at = end; at > begin + 3; at -= 3) digits.insert(at - 3, 1, ',');
   return digits;
+}
+
+/// With so few digits that it is not `value` itself, beyond it in the direction of `sign`.
+std::string format_beyond(double value, double sign) {
+  constexpr int kDigits = 7;
+  constexpr double kUnit = 1e-8;
+  std::string text = format_number(value);
+  if (!std::isfinite(value) || sign * (std::strtod(text.c_str(), nullptr) - value) >= 0)
+    return text;
+  // A unit of the last digit is at most ten times as much.
+  text = fmt::format("{:.{}g}", value + sign * kUnit * std::abs(value), kDigits + 2);
+  const bool is_beyond = sign * (std::strtod(text.c_str(), nullptr) - value) >= 0;
+  return is_beyond ? text : fmt::format("{}", value);
 }
 
 /// Columns on the screen: UTF-8 continuation bytes take none.
@@ -75,8 +89,10 @@ bool print_output(std::string_view text) {
 
 std::string format_count(std::uint64_t n) { return with_separators(fmt::format("{}", n)); }
 
-std::string format_number(double value) {
-  return with_separators(fmt::format("{:.7g}", value == 0 ? 0.0 : value));
+std::string format_number(double value) { return fmt::format("{:.7g}", value == 0 ? 0.0 : value); }
+
+std::string format_range(double low, double high) {
+  return fmt::format("{} to {}", format_beyond(low, -1), format_beyond(high, 1));
 }
 
 std::string format_height(double value, double relief) {
@@ -88,7 +104,7 @@ std::string format_height(double value, double relief) {
     return format_number(value);
   const double decimals =
       std::clamp(std::ceil(-std::log10(relief * kShare)), 0.0, static_cast<double>(kMostDecimals));
-  return with_separators(fmt::format("{:.{}f}", value, static_cast<int>(decimals)));
+  return fmt::format("{:.{}f}", value, static_cast<int>(decimals));
 }
 
 std::string format_heights(double lower, double upper) {

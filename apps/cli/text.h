@@ -15,12 +15,15 @@ void print_error(std::string_view text);
 
 /// 1,234,567
 [[nodiscard]] std::string format_count(std::uint64_t n);
-/// Up to seven significant digits, thousands separated: 1,200 or 0.00123.
+/// Up to seven significant digits: 1200 or 0.00123. Without separators, so that it may be given to
+/// an option, where 1,200 is two numbers.
 [[nodiscard]] std::string format_number(double value);
 /// The same, with more digits where it takes them to tell a thousandth of the relief.
 [[nodiscard]] std::string format_height(double value, double relief);
-/// The lowest and the highest, which tells the relief: -3 to 1,200.5.
+/// The lowest and the highest, which tells the relief: -3 to 1200.5.
 [[nodiscard]] std::string format_heights(double lower, double upper);
+/// A range of values, rounded outward, so that it holds them when it is given to an option.
+[[nodiscard]] std::string format_range(double low, double high);
 /// 512 bytes, 1.5 MB (powers of ten).
 [[nodiscard]] std::string format_bytes(std::uint64_t n);
 /// 0.123 s

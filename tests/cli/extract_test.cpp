@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "lode/api/files.h"
@@ -207,6 +208,23 @@ TEST_F(cli_extract, refuses_an_output_it_cannot_write_before_any_work) {
   }
   std::filesystem::create_directory(file("d.ply"));
   expect_refusal(extract("d.ply", {"--isovalue", "1"}), 1, {"d.ply", "directory"});
+}
+
+/// A picture is a way to find out; a file should not depend on a guess.
+TEST_F(cli_extract, chooses_an_isovalue_for_pictures_alone) {
+  const Finished run = run_lode({"render", volume(), file("s.png"), "--size", "64x48", "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const double isovalue = run.json().at("isovalues").at(0);
+  EXPECT_NE(run.err.find("--isovalue "), std::string::npos) << run.err;
+  EXPECT_GT(run.json().at("triangles"), 0);
+  EXPECT_NE(isovalue, std::floor(isovalue));
+  const std::string chosen = read_bytes(file("s.png"));
+  EXPECT_EQ(run_lode({"render", volume(), file("s.png"), "--size", "64x48", "--isovalue",
+                      nlohmann::json(isovalue).dump()})
+                .exit_code,
+            0);
+  EXPECT_EQ(read_bytes(file("s.png")), chosen);
+  expect_refusal(run_lode({"extract", volume(), file("s.ply")}), 2, {"--isovalue", "lode count"});
 }
 
 TEST_F(cli_extract, builds_a_foreign_file_in_memory_and_says_so) {

@@ -145,8 +145,14 @@ TEST(cli_mesh_usage, refuses_what_makes_no_sense) {
   };
   refused("m.ply", {"--mesh"}, {"m.ply", ".vtu"});
   refused("s.vtu", {"--section", "0,0,0:0,0,1"}, {"s.vtu", "extension"});
-  refused("m.vtu", {"--mesh", "--threshold", "1:2"}, {"--threshold", "mesh of cells"});
-  refused("s.vtp", {"--boundary"}, {"--boundary", "mesh of cells"});
+  refused("s.vtp", {"--boundary"}, {"a.lode", "cannot open"});
+  for (const Words& of_cells : {Words{"--mesh", "--threshold", "1:2"}, {"--boundary"}}) {
+    Words words{"extract", "a.nrrd", "m.vtu"};
+    words.insert(words.end(), of_cells.begin(), of_cells.end());
+    expect_refusal(run_lode(words), 2,
+                   {of_cells.front() == "--mesh" ? "--threshold" : "--boundary",
+                    "expected a mesh of cells, got a volume"});
+  }
   refused("s.vtp", {"--section", "0,0,0:0,0,1", "--section", "0,0,1:0,0,1"}, {"--section", "one"});
   refused("m.vtu", {"--mesh", "--section", "0,0,0:0,0,0"}, {"--section", "normal"});
   for (const char* plane : {"0,0,0", "0,0:0,0,1", "0,0,0:0,0,0", "0,0,0:1,2", "0,0,0:1:2", "x"})

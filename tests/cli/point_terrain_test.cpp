@@ -361,7 +361,7 @@ TEST_F(cli_points, refuses_what_cannot_be_meant) {
     return run_lode(command);
   };
   expect_refusal(extract({"--band", "1"}), 2, {"--band", "points"});
-  expect_refusal(extract({"--isovalue", "1"}), 2, {"--isovalue", "scattered points"});
+  expect_refusal(extract({"--isovalue", "1"}), 2, {"--isovalue", "got terrain"});
   expect_refusal(extract({"--class", "256"}), 2, {"--class"});
   expect_refusal(extract({"--class", "2,,3"}), 2, {"--class"});
   expect_refusal(extract({"--duplicates", "some"}), 2, {"mean", "some"});

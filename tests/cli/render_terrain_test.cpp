@@ -89,14 +89,15 @@ TEST(cli_render_terrain, refuses_what_cannot_be_meant) {
   const std::string out = scratch / "dem.png";
   write_dem(dem);
   write_ball(scratch / "ball.nrrd");
-  expect_refusal(run_lode({"render", dem, out, "--isovalue", "3"}), 2, {"--isovalue", "raster"});
+  expect_refusal(run_lode({"render", dem, out, "--isovalue", "3"}), 2,
+                 {"--isovalue", "got terrain"});
   expect_refusal(run_lode({"render", dem, out, "--exaggeration", "0"}), 2, {"--exaggeration"});
   expect_refusal(run_lode({"render", dem, out, "--contours", "x"}), 2, {"--contours"});
   expect_refusal(run_lode({"render", dem, out, "--contours", "1e-20", "--quiet"}), 1, {"contours"});
   expect_refusal(run_lode({"render", dem, scratch / "dem.jpg"}), 2, {".png"});
   expect_refusal(run_lode({"render", dem, out, "--top", "--camera", "c.json"}), 2, {"--top"});
   expect_refusal(run_lode({"render", scratch / "ball.nrrd", out, "--isovalue", "3", "--top"}), 2,
-                 {"--top", "raster of heights"});
+                 {"--top", "expected terrain, got a volume"});
   write_dem(scratch / "row.asc", 40, 1);
   expect_refusal(run_lode({"render", scratch / "row.asc", out}), 1, {"row.asc", "40 x 1"});
   EXPECT_EQ(scratch.files(), (std::vector<std::string>{"ball.nrrd", "dem.asc", "row.asc"}));

@@ -90,6 +90,38 @@ TEST_F(cli_render_tetra, draws_isosurfaces_and_sections_alone) {
   EXPECT_FALSE(report({"--isovalue", "1e4"}).at("warnings").empty());
 }
 
+TEST_F(cli_render_tetra, draws_the_boundary_in_the_colours_of_the_field) {
+  const nlohmann::json field = report({"--boundary=field", "--max-error", "0"});
+  EXPECT_EQ(field.at("boundary_triangles"), 6 * 8 * 8 * 2);
+  EXPECT_EQ(field.at("cells"), field.at("reference_cells"));
+  const std::string picture = read_bytes(output_);
+  // It is what is drawn where nothing else is named.
+  EXPECT_EQ(report({"--max-error", "0"}).at("boundary_triangles"), field.at("boundary_triangles"));
+  EXPECT_EQ(read_bytes(output_), picture);
+  EXPECT_EQ(report({"--boundary", "--max-error", "0"}).at("boundary_triangles"), 0);
+  EXPECT_NE(read_bytes(output_), picture);
+}
+
+TEST_F(cli_render_tetra, has_a_legend_where_colours_stand_for_values) {
+  const auto drawn = [&](const Words& options) {
+    Words words{"render", input_, output_, "--size", "400x300"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return read_bytes(output_);
+  };
+  for (const Words& shown : {Words{"--boundary=field"}, {"--section", "0,0,1,3.5"}}) {
+    Words without = shown;
+    without.insert(without.end(), {"--legend", "off"});
+    Words with = shown;
+    with.insert(with.end(), {"--legend", "on"});
+    EXPECT_NE(drawn(shown), drawn(without)) << shown[0];
+    EXPECT_EQ(drawn(shown), drawn(with)) << shown[0];
+  }
+  EXPECT_EQ(drawn({"--isovalue", "4.1"}), drawn({"--isovalue", "4.1", "--legend", "off"}));
+  expect_refused({"--boundary", "--legend", "maybe"}, "--legend: expected on or off");
+}
+
 TEST_F(cli_render_tetra, is_fine_where_it_is_asked_to_be) {
   const auto cells = [&](const Words& foci) {
     Words words{"--boundary", "--max-error", "0"};
@@ -214,12 +246,13 @@ TEST_F(cli_render_tetra, reads_transfer_functions_from_files_and_looks_through_s
 }
 
 TEST_F(cli_render_tetra, says_what_it_does_not_draw) {
-  expect_refused({}, "expected --isovalue, --opacity, --section");
+  expect_refused({"--boundary=skin"}, "--boundary: expected film or field, got 'skin'");
   expect_refused({"--opacity", "fog"}, "expected one of viridis-smoke, smoke");
   expect_refused({"--opacity", "smoke", "--section", "0,0,0,1"}, "--section: expected a normal");
   expect_refused({"--opacity", "smoke", "--section", "0,0,1"}, "A,B,C,D");
   expect_refused({"--opacity", "smoke", "--clip", "0,1,0,1,0,1"}, "--clip");
-  expect_refused({"--opacity", "smoke", "--nodata", "1"}, "no options of reading but --field");
+  expect_refused({"--opacity", "smoke", "--nodata", "1"},
+                 "--nodata: expected a volume or terrain, got a mesh of cells");
   expect_refused({"--opacity", "smoke", "--field", "other"}, "other");
   expect_refused({"--opacity", "smoke", "--max-cells", "none"}, "--max-cells");
   const std::string broken = scratch_ / "broken.txt";

@@ -221,7 +221,8 @@ TEST(cli_terrain, refuses_what_cannot_be_meant) {
   const std::string dem = scratch / "dem.asc";
   const std::string out = scratch / "dem.ply";
   write_dem(dem);
-  expect_refusal(run_lode({"extract", dem, out, "--isovalue", "3"}), 2, {"--isovalue", "raster"});
+  expect_refusal(run_lode({"extract", dem, out, "--isovalue", "3"}), 2,
+                 {"--isovalue", "got terrain"});
   expect_refusal(run_lode({"extract", dem, out, "--box", "0,0,0,1,1,1"}), 2, {"--box"});
   expect_refusal(run_lode({"extract", dem, out, "--max-error", "-1"}), 2, {"--max-error", ">= 0"});
   expect_refusal(run_lode({"extract", dem, out, "--model", "tin"}), 2, {"delaunay_selector"});
@@ -278,7 +279,7 @@ TEST(cli_terrain, keeps_digits_of_esri_ascii) {
               "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
               "1000000000.00 1000000000.10 1000000000.20\n1000000000.10 1000000000.20 "
               "1000000000.00\n1000000000.20 1000000000.00 1000000000.10\n");
-  EXPECT_NE(run_lode({"info", dem}).out.find("1,000,000,000.0000 to 1,000,000,000.2000"),
+  EXPECT_NE(run_lode({"info", dem}).out.find("1000000000.0000 to 1000000000.2000"),
             std::string::npos)
       << run_lode({"info", dem}).out;
   const auto json =
@@ -397,6 +398,40 @@ TEST(cli_terrain, names_the_file_and_the_reason_where_there_is_no_terrain) {
   EXPECT_EQ(run_lode({"info", scratch / "row.asc"}).exit_code, 0);
   expect_refusal(run_lode({"extract", scratch / "absent.tif", out}), 1, {"absent.tif"});
   EXPECT_EQ(scratch.files(), (std::vector<std::string>{"empty.tif", "row.asc", "text.tif"}));
+}
+
+/// Of so many pages of 2 x 2 bytes, little-endian, without compression.
+std::string tiff_of_pages(int n_pages) {
+  const auto number = [](std::uint32_t value, int n_bytes) {
+    std::string bytes;
+    for (int i = 0; i < n_bytes; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFF);
+    return bytes;
+  };
+  constexpr std::uint32_t kHead = 8;
+  constexpr std::uint32_t kSamples = 4;
+  std::string file = "II" + number(42, 2) + number(kHead + kSamples, 4) + std::string("\1\2\3\4");
+  for (int page = 0; page < n_pages; ++page) {
+    // Width, height, bits, compression, grey, where strips are, samples, rows of a strip, bytes.
+    const std::vector<std::array<std::uint32_t, 2>> tags{{256, 2}, {257, 2}, {258, 8},
+                                                         {259, 1}, {262, 1}, {273, kHead},
+                                                         {277, 1}, {278, 2}, {279, kSamples}};
+    file += number(static_cast<std::uint32_t>(tags.size()), 2);
+    for (const auto& [tag, value] : tags)
+      file += number(tag, 2) + number(4, 2) + number(1, 4) + number(value, 4);
+    const bool is_last = page + 1 == n_pages;
+    file += number(is_last ? 0 : static_cast<std::uint32_t>(file.size()) + 4, 4);
+  }
+  return file;
+}
+
+TEST(cli_terrain_pages, are_told_where_one_is_read) {
+  const Scratch scratch;
+  for (const int n_pages : {1, 3}) {
+    write_bytes(scratch / "dem.tif", tiff_of_pages(n_pages));
+    const Finished run = run_lode({"extract", scratch / "dem.tif", scratch / "o.ply"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err.find("several pages") != std::string::npos, n_pages > 1) << run.err;
+  }
 }
 
 }  // namespace

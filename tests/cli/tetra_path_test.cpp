@@ -201,7 +201,8 @@ TEST_F(cli_tetra_path, refuses_what_makes_no_sense_and_leaves_nothing) {
   write_bytes(scratch_ / "full/frame-0000.png", "an older one");
   expect_refused({"--boundary", "--camera-path", "orbit", "--frames", scratch_ / "full"},
                  {"empty directory"});
-  expect_refused({"--camera-path", "orbit", "--frames", frames_}, {"--isovalue", "--boundary"});
+  expect_refused({"--boundary=skin", "--camera-path", "orbit", "--frames", frames_},
+                 {"--boundary", "'skin'"});
   expect_refused({"--boundary", "--camera-path", "zigzag", "--frames", frames_}, {"zigzag"});
   expect_refused({"--boundary", "--camera-path", "orbit", "--frames", frames_, "--region", "none"},
                  {"none"});

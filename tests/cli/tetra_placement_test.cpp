@@ -297,7 +297,7 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--placement", "centre"},
           "expected half-edge or midpoint, got 'centre'");
   refused(midpoint({scratch_ / "volume.nrrd", output_, "--mesh"}),
-          "--placement, --order and --fast: expected a mesh of cells with");
+          "--placement: expected a mesh of cells, got a volume");
   EXPECT_EQ(run_lode({"build", input_, model, "--placement", "half-edge"}).exit_code, 0);
   refused(midpoint({model, output_, "--mesh"}),
           "expected no options of reading but --field, --with and --time, got --placement");

@@ -70,6 +70,32 @@ void write_gmsh_steps(const std::string& path) {
   }
 }
 
+/// Without a time it would come before the steps that have one, and be the answer.
+TEST_F(cli_mesh_fields, that_have_steps_get_no_step_without_a_time) {
+  const TetraMesh noise = oracles::noise_mesh(5, oracles::Cut::in_six, 5);
+  const auto write = [&](const std::string& name, std::optional<double> time) {
+    SimplexMesh mesh;
+    mesh.positions = noise.positions;
+    mesh.values = noise.fields[0].values;
+    mesh.tetrahedra = noise.tetrahedra;
+    mesh.errors.assign(mesh.tetrahedra.size(), 0);
+    Progress progress;
+    EXPECT_TRUE(write_mesh(scratch_ / name, mesh, {.value_name = "noise", .time = time}, progress));
+    return scratch_ / name;
+  };
+  const std::string first = write("first.vtu", 0.25);
+  const std::string model = scratch_ / "model.lode";
+  const std::string all = scratch_ / "all.lode";
+  done({"build", first, model, "--at", "file"});
+  const nlohmann::json json =
+      done({"attach-field", model, write("second.vtu", 0.75), all, "--field", "noise"});
+  EXPECT_EQ(json.at("fields").at(1).at("time"), 0.75);
+  EXPECT_EQ(done({"probe", all, "--point", "0.5,0.5,0.5"}).at("time"), 0.25);
+  refused({"attach-field", model, write("still.vtu", {}), all, "--field", "noise"},
+          "--at: expected a time");
+  refused({"attach-field", scratch_ / "none.lode", first, all, "--field", "noise"}, "cannot open");
+}
+
 TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
   const std::string mesh = scratch_ / "steps.msh";
   const std::string model = scratch_ / "steps.lode";
@@ -113,7 +139,7 @@ TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
   refused({"build", still, model, "--field", "noise", "--time", "1"},
           "--region-field, --placement, --order and --fast, got --time");
   refused({"build", mesh, model, "--field", "heat", "--time", "1", "--nodata", "3"},
-          "--region-field, --time, --placement, --order and --fast, got --nodata");
+          "--nodata: expected a volume or terrain, got a mesh of cells");
 }
 
 TEST_F(cli_mesh_fields, have_the_time_that_their_build_was_told) {
@@ -170,7 +196,7 @@ TEST_F(cli_mesh_fields, have_the_time_that_their_build_was_told) {
   refused({"build", still, model, "--at", "inf"}, "--at: expected a finite number, got 'inf'");
   const std::string ball = scratch_ / "ball.nrrd";
   write_ball(ball);
-  refused({"build", ball, model, "--at", "1"}, "expected a mesh of cells with --base-cells");
+  refused({"build", ball, model, "--at", "1"}, "--at: expected a mesh of cells, got a volume");
 }
 
 TEST_F(cli_mesh_fields, of_medit_meshes_come_from_solutions) {
@@ -206,8 +232,8 @@ TEST_F(cli_mesh_fields, of_medit_meshes_come_from_solutions) {
       2 * high);
   done({"verify", model, "--against", medit, "--solution", scratch_ / "later.sol"});
   EXPECT_NE(run_lode({"verify", model, "--against", medit}).exit_code, 0);
-  refused({"build", medit, model, "--nodata", "3"},
-          "--region-field, --solution, --placement, --order and --fast, got --nodata");
+  refused({"build", medit, model, "--time", "3"},
+          "--region-field, --solution, --placement, --order and --fast, got --time");
   const std::string all = scratch_ / "all.lode";
   const nlohmann::json attached =
       done({"attach-field", model, medit, all, "--field", "solution_1", "--solution",

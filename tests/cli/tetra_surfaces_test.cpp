@@ -187,6 +187,55 @@ TEST_F(cli_tetra, cuts_sections_of_the_reference_and_of_cuts_that_are_fine_along
   EXPECT_EQ(json.at("warnings").size(), 1U);
 }
 
+TEST_F(cli_tetra, tells_bounds_and_ranges_before_a_model_is_built) {
+  const nlohmann::json json = run_lode({"info", input_, "--json"}).json();
+  EXPECT_EQ(json.at("bounds"), nlohmann::json({{0, 0, 0}, {12, 12, 12}}));
+  const nlohmann::json& field = json.at("point fields").at(0);
+  const SimplexMesh mesh = waves(13);
+  const auto [low, high] = std::ranges::minmax(mesh.values);
+  EXPECT_EQ(field.at("range"), nlohmann::json({low, high}));
+  EXPECT_EQ(field.at("component_ranges"), nlohmann::json::array({{low, high}}));
+  EXPECT_NE(run_lode({"info", input_}).out.find("wave, float64, "), std::string::npos);
+}
+
+TEST_F(cli_tetra, crops_surfaces_turns_them_and_drops_their_pieces) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto surface_of = [&](Words options) {
+    options.insert(options.begin(), {"extract", input_, ply, "--max-error", "0"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    auto read = read_surface(ply);
+    EXPECT_TRUE(read);
+    return std::move(*read);
+  };
+  const auto area = [](const Surface& surface) {
+    double sum = 0;
+    for (const auto& [a, b, c] : surface.triangles)
+      sum += length(cross(surface.positions[b] - surface.positions[a],
+                          surface.positions[c] - surface.positions[a])) /
+             2;
+    return sum;
+  };
+  for (const Words& what :
+       {Words{"--isovalue", "3.1"}, {"--section", "6,6,6:1,2,0.5"}, {"--boundary"}}) {
+    const auto with = [&](const Words& more) {
+      Words words = what;
+      words.insert(words.end(), more.begin(), more.end());
+      return surface_of(words);
+    };
+    const Surface all = with({});
+    const Surface left = with({"--clip", "-1,5.3,-1,20,-1,20"});
+    const Surface right = with({"--clip", "5.3,20,-1,20,-1,20"});
+    EXPECT_NEAR(area(left) + area(right), area(all), 1e-4 * area(all)) << what[0];
+    for (const Vec3f& p : left.positions) EXPECT_LE(p[0], 5.30001F);
+    const Surface turned = with({"--flip"});
+    EXPECT_EQ(turned.triangles.at(0)[1], all.triangles.at(0)[2]);
+    const auto n_most = std::to_string(all.triangles.size() + 1);
+    EXPECT_TRUE(with({"--min-component", n_most}).is_empty());
+  }
+  expect_refusal(extract({"--clip", "0,1,0,1,0,1"}), 2, {"--clip", "--mesh"});
+}
+
 TEST_F(cli_tetra, writes_the_boundary_and_what_is_within_a_threshold) {
   const std::string ply = scratch_ / "out.ply";
   const auto boundary = [&](std::vector<std::string> options) {

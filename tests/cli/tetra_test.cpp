@@ -377,9 +377,12 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
           "expected an output that is not an input");
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"},
+          "--nodata: expected a volume or terrain, got a mesh of cells");
+  refused({"extract", input_, output_, "--mesh", "--time", "3"},
           "no options of reading but --field, --with, --component, --weld, --weld-values, "
-          "--linearise, --region-field, --placement, --order and --fast, got --nodata");
-  refused({"info", input_, "--dims", "2x2x2", "--type", "uint8"}, "--fast, got --dims, --type");
+          "--linearise, --region-field, --placement, --order and --fast, got --time");
+  refused({"info", input_, "--dims", "2x2x2", "--type", "uint8"},
+          "--dims: expected a volume, got a mesh of cells");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
   refused({"count", input_, "--isovalue", "3"}, "which this command does not take");

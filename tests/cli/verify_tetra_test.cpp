@@ -246,7 +246,7 @@ TEST_F(cli_verify_tetra, refuses_what_does_not_go_with_meshes) {
   EXPECT_EQ(run_lode({"verify", lode_, "--against", lode_}).exit_code, 2);
   EXPECT_EQ(run_lode({"verify", lode_, "--field", "noise"}).exit_code, 2);
   expect_refusal(run_lode({"verify", lode_, "--memory-limit", "1M"}), 2,
-                 {"--memory-limit", "a volume's .lode file", lode_});
+                 {"--memory-limit", "expected a volume, got a mesh of cells", lode_});
   expect_refusal(run_lode({"extract", lode_, scratch_ / "out.vtu", "--mesh", "--salvage"}), 2,
                  {"--salvage", "mesh of cells"});
   EXPECT_EQ(run_lode({"verify", mesh_, "--nodata", "1"}).exit_code, 2);

@@ -26,6 +26,7 @@ lode_test(mesh_mappers_test
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/cell_overlap_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/cell_part_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/creases_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_boundary_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_isosurface_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_normals_test.cpp

@@ -113,6 +113,47 @@ TEST(surface_edits, what_lies_in_a_plane_of_the_box_is_inside) {
   }
 }
 
+/// Values stay linear, and errors, regions and patches those of the triangle a part is of.
+TEST(surface_edits, keep_what_cells_and_vertices_have) {
+  Surface surface = test::make_torus(30, 20, 2.0, 0.7);
+  const auto value_at = [](const Vec3f& p) {
+    return 3.0 * static_cast<double>(p[0]) - static_cast<double>(p[1]) + 0.5;
+  };
+  surface.attributes.push_back({.name = "more", .error = 1});
+  for (const Vec3f& p : surface.positions) {
+    surface.values.push_back(value_at(p));
+    surface.attributes[0].values.push_back(-value_at(p));
+  }
+  // Of which side of a plane the triangle's first corner is: told from where its parts lie.
+  for (std::uint32_t i = 0; i < surface.triangles.size(); ++i) {
+    surface.errors.push_back(static_cast<float>(i));
+    surface.regions.push_back(1000 + i);
+    surface.patch_marks.push_back(i % 2);
+    surface.attributes[0].errors.push_back(static_cast<float>(2 * i));
+  }
+  const Surface before = surface;
+  crop(surface, {{{-1.3, -2.2, -0.4}}, {{2.1, 1.7, 0.6}}});
+  (void)drop_small_components(surface, 5);
+  ASSERT_GT(surface.triangles.size(), 100U);
+  ASSERT_EQ(surface.errors.size(), surface.triangles.size());
+  ASSERT_EQ(surface.attributes[0].values.size(), surface.positions.size());
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    EXPECT_NEAR(surface.values[v], value_at(surface.positions[v]), 1e-5);
+    EXPECT_NEAR(surface.attributes[0].values[v], -value_at(surface.positions[v]), 1e-5);
+  }
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto source = static_cast<std::uint32_t>(surface.errors[t]);
+    EXPECT_EQ(surface.regions[t], 1000 + source);
+    EXPECT_EQ(surface.patch_marks[t], source % 2);
+    EXPECT_EQ(surface.attributes[0].errors[t], static_cast<float>(2 * source));
+    const auto& of = before.triangles[source];
+    const Vec3f normal = cross(before.positions[of[1]] - before.positions[of[0]],
+                               before.positions[of[2]] - before.positions[of[0]]);
+    for (const std::uint32_t v : surface.triangles[t])
+      EXPECT_NEAR(dot(surface.positions[v] - before.positions[of[0]], normalized(normal)), 0, 1e-5);
+  }
+}
+
 TEST(surface_edits, drops_pieces_below_a_size_and_counts_them) {
   Surface surface = test::make_torus(9, 5, 2.0, 0.5);
   const auto torus = surface.triangles;

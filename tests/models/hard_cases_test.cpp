@@ -107,6 +107,38 @@ TEST(hard_cases, mirrored_and_oblique_directions) {
   EXPECT_GT(expect_true_everywhere(volume_of<float>(grid, wave), 0.3, {0, 0.2}), 100U);
 }
 
+/// As of the same samples with steps of one, but for rounding: no step costs another axis accuracy.
+TEST(hard_cases, steps_of_very_different_lengths) {
+  oracles::Random random(7);
+  const Index3 dims{{17, 16, 15}};
+  std::vector<double> noise(static_cast<std::size_t>(17 * 16 * 15));
+  for (double& value : noise) value = static_cast<double>(random.below(256));
+  const auto field = [&](const Index3& p) {
+    return noise[static_cast<std::size_t>((p[2] * 16 + p[1]) * 17 + p[0])];
+  };
+  const auto extracted = [&](const RegularGrid& grid) {
+    const auto dataset = built(volume_of<std::uint8_t>(grid, field));
+    Progress progress;
+    Surface surface;
+    const auto report =
+        dataset->extract({.isovalues = {127.5}, .max_error = 0, .threads = {2}}, surface, progress);
+    EXPECT_LT(report->coordinate_slack, 0.2);
+    return surface;
+  };
+  const Surface unit = extracted(grid_with(dims));
+  for (const Vec3d& spacing : {Vec3d{{0.01, 0.01, 50}}, {{1e-4, 1, 1e4}}, {{1e5, 1e-3, 1e-3}}}) {
+    RegularGrid grid = grid_with(dims);
+    grid.spacing = spacing;
+    const Surface surface = extracted(grid);
+    ASSERT_EQ(surface.triangles, unit.triangles);
+    for (std::uint32_t v = 0; v < surface.positions.size(); ++v)
+      for (std::size_t i = 0; i < 3; ++i)
+        ASSERT_NEAR(surface.positions[v][i] / spacing[i], unit.positions[v][i], 1e-4);
+    const auto volume = volume_of<std::uint8_t>(grid, field);
+    EXPECT_GT(expect_true_everywhere(volume, 127.5, {0, 60}), 1000U);
+  }
+}
+
 TEST(hard_cases, thin_slabs) {
   EXPECT_GT(
       expect_true_everywhere(volume_of<std::int16_t>(grid_with({{90, 70, 5}}),

@@ -46,7 +46,7 @@ struct DatasetInfo {
   std::vector<LevelInfo> levels;
 };
 
-/// How far apart numbers are that surfaces have for coordinates, in the grid's smallest steps: of
+/// How far apart numbers are that surfaces have for coordinates, in steps of the grid: of
 /// float32 where they are counted from, or of float64 in the world, whichever is more.
 [[nodiscard]] double coordinate_step(const RegularGrid& grid);
 

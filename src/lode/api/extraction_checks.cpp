@@ -51,10 +51,10 @@ Result<void> check_each_once(std::vector<double> isovalues) {
 
 double coordinate_step(const RegularGrid& grid) {
   const Box3d bounds = grid.world_bounds();
-  double largest = 0;
+  Vec3d units;
   for (std::size_t i = 0; i < 3; ++i)
-    largest = std::max({largest, std::abs(bounds.lower[i]), std::abs(bounds.upper[i])});
-  return std::max(LatticeFrame::of(grid).rounding, 0x1p-52 * largest / least_step(grid));
+    units[i] = 0x1p-52 * std::max(std::abs(bounds.lower[i]), std::abs(bounds.upper[i]));
+  return std::max(LatticeFrame::of(grid).rounding, in_steps(grid, units));
 }
 
 Result<void> check_extract_options(const ExtractOptions& options) {

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <new>
+#include <numbers>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/creases.h"
+#include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_isosurface.h"
+#include "lode/render/legend.h"
 #include "lode/render/ray_scene.h"
 #include "lode/render/volume_renderer.h"
 
@@ -14,11 +18,13 @@ namespace lode {
 namespace {
 
 constexpr Color kLineColor{58, 64, 76};
+constexpr double kCrease = std::numbers::pi / 6;
 
 /// Positions of surfaces are relative to the middle of the mesh, where float32 is finest.
 Vec3d middle_of(const Box3d& box) { return box.lower * 0.5 + box.upper * 0.5; }
 
-Vec3f section_color(const MeshPictureOptions& options, double value) {
+/// Of a place that is coloured by value.
+Vec3f value_color(const MeshPictureOptions& options, double value) {
   if (options.opacity) return to_vec3f(options.opacity->at(value).color);
   const double width = options.colors.high - options.colors.low;
   return to_linear(sequential_color(width > 0 ? (value - options.colors.low) / width : 0.5));
@@ -39,20 +45,35 @@ void add_isosurfaces(const SimplexMesh& mesh, const MeshPictureOptions& options,
   opaque.colors = color_surface(surface, options.render.color, options.render.threads);
 }
 
-/// Vertices of its own, each with its value's colour.
-void add_section(const SimplexMesh& mesh, const SectionPlane& plane,
-                 const MeshPictureOptions& options, OpaqueSurface& opaque) {
+/// Adds triangles whose vertices have the colours of their values.
+void add_colored(const Surface& part, const MeshPictureOptions& options, OpaqueSurface& opaque) {
   Surface& all = opaque.surface;
-  const double margin = rounding_margin(mesh.positions, all.origin);
-  const Surface section =
-      cut_section(mesh, plane, section_rounding(all.origin, margin, plane.normal));
   opaque.colors.per_vertex.resize(all.positions.size(), opaque.colors.uniform);
   const auto first = static_cast<std::uint32_t>(all.positions.size());
-  all.positions.insert(all.positions.end(), section.positions.begin(), section.positions.end());
-  for (const double value : section.values)
-    opaque.colors.per_vertex.push_back(section_color(options, value));
-  for (const auto& [a, b, c] : section.triangles)
+  all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+  for (const double value : part.values)
+    opaque.colors.per_vertex.push_back(value_color(options, value));
+  for (const auto& [a, b, c] : part.triangles)
     all.triangles.push_back({first + a, first + b, first + c});
+}
+
+void add_section(const SimplexMesh& mesh, const SectionPlane& plane,
+                 const MeshPictureOptions& options, OpaqueSurface& opaque) {
+  const Vec3d& origin = opaque.surface.origin;
+  const double margin = rounding_margin(mesh.positions, origin);
+  add_colored(cut_section(mesh, plane, section_rounding(origin, margin, plane.normal)), options,
+              opaque);
+}
+
+/// Shaded smoothly but for its creases.
+void add_boundary(const SimplexMesh& mesh, const MeshPictureOptions& options,
+                  OpaqueSurface& opaque) {
+  Surface boundary = mesh_boundary(mesh, opaque.surface.origin, options.render.threads);
+  for (const std::uint32_t v : split_at_creases(boundary.positions, kCrease, boundary.triangles)) {
+    boundary.positions.push_back(Vec3f(boundary.positions[v]));
+    boundary.values.push_back(double{boundary.values[v]});
+  }
+  add_colored(boundary, options, opaque);
 }
 
 /// By its two vertices, the smaller first, each edge once.
@@ -87,6 +108,17 @@ void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, Opaqu
     if (is_used[v]) all.lines.push_back({first + v, first + v});
 }
 
+/// Of colours by value, where there are some.
+Result<void> add_legend(const MeshPictureOptions& options, Image& image) {
+  const bool has_colors = options.has_boundary || !options.sections.empty() || options.opacity;
+  if (options.legend.empty() || !has_colors) return {};
+  return draw_legend({.title = options.legend,
+                      .low = options.colors.low,
+                      .high = options.colors.high,
+                      .color = [&](double value) { return to_srgb(value_color(options, value)); }},
+                     image);
+}
+
 }  // namespace
 
 Result<TransferFunction> to_transfer_function(const std::string& preset_or_path,
@@ -98,6 +130,8 @@ Result<TransferFunction> to_transfer_function(const std::string& preset_or_path,
 
 Query query_of(const MeshPictureOptions& options) {
   Query query;
+  // Colours of the boundary need all of it.
+  if (options.has_boundary) return query;
   if (options.sections.empty()) {
     query.isovalues = options.isovalues;
     if (options.opacity)
@@ -128,6 +162,9 @@ Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& optio
   add_isosurfaces(mesh, options, opaque, report);
   for (const SectionPlane& plane : options.sections) add_section(mesh, plane, options, opaque);
   report.n_section_triangles = opaque.surface.triangles.size() - report.n_triangles;
+  const std::size_t n_before = opaque.surface.triangles.size();
+  if (options.has_boundary) add_boundary(mesh, options, opaque);
+  report.n_boundary_triangles = opaque.surface.triangles.size() - n_before;
   if (options.has_wireframe || options.has_points) add_lines(mesh, options, opaque);
   report.n_lines = opaque.surface.lines.size();
   opaque.surface.isovalues.clear();
@@ -135,6 +172,9 @@ Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& optio
   const TransferFunction function = options.opacity.value_or(clear);
   auto image =
       render_volume({volume, function, opaque, options.boundary_opacity}, render, progress);
+  if (image)
+    if (const auto legend = add_legend(options, *image); !legend)
+      report.legend_fault = legend.error().message;
   report.seconds = watch.seconds();
   return image;
 } catch (const std::bad_alloc&) {

@@ -23,17 +23,23 @@ struct MeshPictureOptions {
   std::vector<SectionPlane> sections;       ///< The same, coloured by value.
   bool has_wireframe = false;   ///< All edges of the mesh, as lines of render.line_width_px.
   bool has_points = false;      ///< All its vertices, as dots so wide.
+  bool has_boundary = false;    ///< Opaque, coloured by value as sections are.
   double boundary_opacity = 0;  ///< 0..1; see VolumePicture.
-  Range colors{0, 1};  ///< Of sections without opacity: values of the darkest and lightest colour.
+  /// Of what is coloured by value, without opacity: values of the darkest and lightest colour.
+  Range colors{0, 1};
+  /// The title of a legend of what is coloured by value, if anything is; empty: none.
+  std::string legend;
   RenderOptions render;
 };
 
 struct MeshPictureReport {
   std::uint64_t n_triangles = 0;          ///< Of isosurfaces.
   std::uint64_t n_section_triangles = 0;  ///< Of sections.
-  std::uint64_t n_lines = 0;              ///< Of the wireframe, and dots.
-  std::vector<double> unmet{};            ///< Isovalues that no cell has.
-  Camera camera;                          ///< That was used.
+  std::uint64_t n_boundary_triangles = 0;
+  std::uint64_t n_lines = 0;    ///< Of the wireframe, and dots.
+  std::vector<double> unmet{};  ///< Isovalues that no cell has.
+  std::string legend_fault{};   ///< Why there is no legend.
+  Camera camera;                ///< That was used.
   double seconds = 0;
 };
 
@@ -45,7 +51,7 @@ struct MeshPictureReport {
 
 /// What of a mesh a picture needs, but for tolerance and budget: where it is not clear, all the
 /// more accurate the more opaque, and what isosurfaces need; what the planes need of sections
-/// alone; everywhere of both.
+/// alone; everywhere of both, and of a boundary that is coloured.
 [[nodiscard]] Query query_of(const MeshPictureOptions& options);
 
 /// Draws a mesh; see render_volume(). Without a camera a three-quarter view of all of it, whatever

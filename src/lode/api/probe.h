@@ -24,6 +24,9 @@ struct ProbeOptions {
   std::size_t field = 0;  ///< Of the data's.
   /// Further fields, which the answer has, too: of the same cut, whose tolerance is the field's.
   std::vector<std::size_t> along{};
+  /// World units: points that are outside, but no farther from a cell than this, or than what
+  /// rounds coordinates (2^-46 of them), get what the nearest cell has there, and are inside.
+  double snap = 0;
   Threads threads{};
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "lode/locate/line_profile.h"
 #include "lode/locate/point_location.h"
@@ -26,8 +27,9 @@ class PointProbe {
   [[nodiscard]] std::span<const std::uint8_t> is_exact() const { return is_exact_; }
 
   [[nodiscard]] ProbedPoint at(const Vec3d& p) const {
-    const auto cell = find_cell(locator_, p, is_exact_);
-    return cell ? in(*cell, p, 0) : beyond(p);
+    if (const auto cell = find_cell(locator_, p, is_exact_)) return in(*cell, p, 0);
+    const auto near = nearest(p);
+    return near ? in(near->cell, p, near->distance) : beyond(p);
   }
   /// Of a point in the cell that is up to `distance` from p.
   [[nodiscard]] ProbedPoint in(std::uint32_t cell, const Vec3d& p, double distance) const {
@@ -46,12 +48,30 @@ class PointProbe {
   }
 
  private:
+  struct NearCell {
+    std::uint32_t cell;
+    double distance;  ///< At most.
+  };
+  /// The nearest cell that is near enough to be the point's: of several the first.
+  [[nodiscard]] std::optional<NearCell> nearest(const Vec3d& p) const {
+    std::optional<NearCell> found;
+    locator_.visit_near(p, cells_.snap, [&](std::uint32_t cell) {
+      const double distance = locator_.distance_to_faces(cell, p);
+      if (!(distance <= cells_.snap)) return;
+      const bool is_nearer = !found || distance < found->distance ||
+                             (distance == found->distance && cell < found->cell);
+      if (is_nearer) found = {cell, distance};
+    });
+    if (found) found->distance += cells_.rounding;
+    return found;
+  }
   /// The reference may be there all the same.
   [[nodiscard]] ProbedPoint beyond(const Vec3d& p) const {
     ProbedPoint point{.point = p};
     const double reach = cells_.boundary_deviation * (1 + 1e-6);
     if (!(reach > 0) || !cells_.range_off_cells) return point;
-    const Range range = cells_.range_off_cells({p, p});
+    const Vec3d off{{reach, reach, reach}};
+    const Range range = cells_.range_off_cells({p - off, p + off});
     if (range.is_empty()) return point;
     locator_.visit_near(p, reach, [&](std::uint32_t cell) {
       point.is_near_boundary =

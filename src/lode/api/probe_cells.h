@@ -31,8 +31,11 @@ struct ProbeCells {
   /// Of F anywhere, and the box of where it is.
   Range all{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   Box3d domain{};
-  double boundary_deviation =
-      0;  ///< By how much boundaries of cells that are not exact may be off.
+  /// By how much boundaries of cells that are not exact may be off, with what rounds their
+  /// vertices and distances from them.
+  double boundary_deviation = 0;
+  double rounding = 0;  ///< Of distances from cells.
+  double snap = 0;      ///< Points that are outside by no more than this are inside.
 
   [[nodiscard]] bool has_exact(std::size_t cell) const {
     return is_exact.empty() ? mesh.errors[cell] == 0 : is_exact[cell] != 0;

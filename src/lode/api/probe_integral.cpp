@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "lode/api/probe_cells.h"
 #include "lode/api/probe_sums.h"
@@ -37,20 +38,22 @@ class Integrator {
     const double error = static_cast<double>(cells_.mesh.errors[cell]);
     to.volume_rounding += part.volume_rounding;
     to.integral_rounding += part.integral_rounding;
-    to.volume.add(part.volume);
-    to.integral.add(part.integral);
+    const double sign = sign_of(corners);
+    to.volume.add(sign * part.volume);
+    to.integral.add(sign * part.integral);
     to.estimate.add(error * part.volume);
-    to.volume_bounds.add(part.volume - part.volume_rounding, part.volume + part.volume_rounding);
+    to.volume_bounds.add(sign * part.volume - part.volume_rounding,
+                         sign * part.volume + part.volume_rounding);
     if (part.is_empty() && part.volume_rounding == 0) return;
     if (!part.is_empty()) ++to.n_cells;
     if (part.is_whole) ++to.n_whole;
     if (has_errors_everywhere(cell)) {
       const double off = cells_.has_exact(cell) ? 0 : error;
-      add_integral_within(off, part, to);
+      add_integral_within(off, part, sign, to);
       add_extremes_within(off, part, corners, values, to.extremes);
     } else {
       const Range range = range_on(corners);
-      add_integral(part, range, to);
+      add_integral(part, range, sign, to);
       add_extremes(part, range, to.extremes);
     }
     if (cells_.is_exact_at_vertices || cells_.has_exact(cell))
@@ -58,6 +61,11 @@ class Integrator {
   }
 
  private:
+  /// Of a cell's volume: what the reference folds over other cells counts less there, so that sums
+  /// are those of cuts, where it is gone.
+  [[nodiscard]] static double sign_of(const std::array<Vec3d, 4>& p) {
+    return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) < 0 ? -1 : 1;
+  }
   [[nodiscard]] bool has_errors_everywhere(std::size_t cell) const {
     return cells_.has_exact(cell) || cells_.error_place == ErrorPlace::everywhere;
   }
@@ -89,10 +97,11 @@ class Integrator {
     }
     return box;
   }
-  static void add_integral_within(double error, const CellPart& part, PartialIntegral& to) {
+  static void add_integral_within(double error, const CellPart& part, double sign,
+                                  PartialIntegral& to) {
     const double volume = part.volume + part.volume_rounding;
     const double off = part.integral_rounding + error * volume * (1 + 0x1p-50);
-    to.integral_bounds.add(part.integral - off, part.integral + off);
+    to.integral_bounds.add(sign * part.integral - off, sign * part.integral + off);
   }
   /// Of a cell on which F is within `error` of F'. What a smaller box cuts out is in the box, and
   /// what a larger one does holds all that is.
@@ -116,12 +125,14 @@ class Integrator {
       to.reached_high = std::max(to.reached_high, below(least.highest));
     }
   }
-  static void add_integral(const CellPart& part, const Range& range, PartialIntegral& to) {
+  static void add_integral(const CellPart& part, const Range& range, double sign,
+                           PartialIntegral& to) {
     const double volume = part.volume + part.volume_rounding;
     const double least = std::max(0.0, part.volume - part.volume_rounding);
     constexpr double kWiden = 0x1p-50;
-    const double low = std::min(range.low * least, range.low * volume);
-    const double high = std::max(range.high * least, range.high * volume);
+    double low = std::min(range.low * least, range.low * volume);
+    double high = std::max(range.high * least, range.high * volume);
+    if (sign < 0) low = -std::exchange(high, -low);
     to.integral_bounds.add(low - kWiden * std::abs(low), high + kWiden * std::abs(high));
   }
   static void add_of_cut(const CellPart& part, Extremes& to) {

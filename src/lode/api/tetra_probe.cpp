@@ -182,6 +182,24 @@ std::vector<std::uint32_t> slots_near(const View& view, const MeetsBox& where) {
   return slots_found;
 }
 
+/// Of distances from cells, and what these are reckoned of.
+double distance_rounding(const TetraInfo& info) {
+  const Box3d& box = info.bounds;
+  Vec3d farthest;
+  for (std::size_t i = 0; i < 3; ++i)
+    farthest[i] = std::max(std::abs(box.lower[i]), std::abs(box.upper[i]));
+  return 0x1p-48 * length(farthest);
+}
+
+/// What boundaries of cuts may be off by: as far as was measured, and rounding. Of midpoints what
+/// was measured starts from the reference's vertices rounded to steps, by up to 2^-31 of the box
+/// along each axis (midpoint/codes.h); of half edges only what is reckoned here is rounded.
+double deviation_of(const TetraInfo& info) {
+  const double diagonal = length(info.bounds.upper - info.bounds.lower);
+  const double steps = info.placement == Placement::midpoint ? 0x1p-31 * diagonal : 0;
+  return (info.boundary_deviation + steps) * (1 + 1e-6) + distance_rounding(info);
+}
+
 /// Cells without values.
 template <typename View>
 ProbeCells bare_cells(const View& view, const TetraInfo& info,
@@ -203,7 +221,8 @@ ProbeCells bare_cells(const View& view, const TetraInfo& info,
     for (std::uint32_t& v : t)
       v = static_cast<std::uint32_t>(std::ranges::lower_bound(vertices, v) - vertices.begin());
   cells.domain = info.bounds;
-  cells.boundary_deviation = info.boundary_deviation;
+  cells.boundary_deviation = deviation_of(info);
+  cells.rounding = distance_rounding(info);
   return cells;
 }
 
@@ -213,7 +232,16 @@ struct ProbeFocus {
   MeetsBox where;
   std::span<const std::int64_t> regions{};  ///< Empty: all.
   double max_error = 0;
+  double snap = 0;  ///< As ProbeOptions'.
 };
+
+/// The same of what is up to `reach` away along each axis.
+MeetsBox widened(MeetsBox where, double reach) {
+  const Vec3d off{{reach, reach, reach}};
+  return [where = std::move(where), off](const Box3d& box) {
+    return where({box.lower - off, box.upper + off});
+  };
+}
 
 /// The cells of a cut that is fine where is looked, and those there only, by field: all have the
 /// same ones, of whatever regions.
@@ -221,24 +249,23 @@ template <typename View>
 Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info, const ProbeFocus& focus,
                                          Progress& progress, ProbeReport& report) {
   const std::span<const std::size_t> fields = focus.fields;
+  constexpr double kLeastSnap = 4;
+  const double snap = std::max(focus.snap, kLeastSnap * distance_rounding(info));
+  const MeetsBox where = widened(focus.where, snap);
   typename View::Cut& cut = view.cut();
   Engine<typename View::Cut> engine(cut);
-  engine.set_query(in_regions(probe_demand(focus.where, focus.max_error, bounds_slack(info.bounds)),
-                              info, focus.regions),
+  engine.set_query(in_regions(probe_demand(where, focus.max_error, bounds_slack(info.bounds)), info,
+                              focus.regions),
                    {}, FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
   const auto ranges = std::make_shared<const CandidateRanges>(engine, view, info, fields);
   // Those, too, whose boundary may be off by as much as to come there.
-  const double deviation = info.boundary_deviation;
-  const auto near = [&](const Box3d& box) {
-    const Vec3d reach{{deviation, deviation, deviation}};
-    return focus.where({box.lower - reach, box.upper + reach});
-  };
-  const std::vector<std::uint32_t> slots = slots_near(view, near);
+  const std::vector<std::uint32_t> slots = slots_near(view, widened(where, deviation_of(info)));
   std::vector<std::uint32_t> vertices;
   ProbeCells shape = bare_cells(view, info, slots, vertices);
+  shape.snap = snap;
   std::vector<ProbeCells> made(fields.size() - 1, shape);
   made.push_back(std::move(shape));
   report = {.max_error = focus.max_error,
@@ -305,13 +332,16 @@ Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, std::span<
                                     const ProbeOptions& options, std::vector<ProbedPoint>& found,
                                     Progress& progress) {
   LODE_CHECK(check_probe(points, options.max_error));
+  if (!(options.snap >= 0 && std::isfinite(options.snap)))
+    return fail("snap: expected a distance >= 0, got {}", options.snap);
   const std::vector<std::size_t> fields = fields_of(options);
   ProbeReport report;
-  LODE_TRY(
-      const std::vector<ProbeCells> cells,
-      cells_near(hierarchy,
-                 {.fields = fields, .where = meets_points(points), .max_error = options.max_error},
-                 progress, report));
+  LODE_TRY(const std::vector<ProbeCells> cells, cells_near(hierarchy,
+                                                           {.fields = fields,
+                                                            .where = meets_points(points),
+                                                            .max_error = options.max_error,
+                                                            .snap = options.snap},
+                                                           progress, report));
   found = probe_points_in(cells.front(), points, options.threads);
   for (const ProbeCells& more : std::span(cells).subspan(1)) {
     const std::vector<ProbedPoint> values = probe_points_in(more, points, options.threads);

@@ -118,7 +118,12 @@ Result<void> GdalRaster::open_imported(const HeightReadOptions& options, Progres
 }
 
 std::vector<std::string> GdalRaster::notes() const {
-  return imported_ ? imported_->notes : std::vector<std::string>();
+  if (imported_) return imported_->notes;
+  // Pages of a TIFF are subdatasets; of one page there are none.
+  if (gdal_->metadata(dataset_, "SUBDATASET_2_NAME", "SUBDATASETS") == nullptr) return {};
+  return {
+      "it holds several pages, of which the first is read: others are for another file each, as "
+      "gdal_translate GTIFF_DIR:2:IN OUT makes them"};
 }
 
 GdalRaster::~GdalRaster() {

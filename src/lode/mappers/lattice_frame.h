@@ -6,8 +6,9 @@
 
 namespace lode {
 
-/// The smallest spacing of axes along which there are several samples, if there are any.
-[[nodiscard]] double least_step(const RegularGrid& grid);
+/// How many steps along an axis of the grid a point may be off that is off by up to `distances`
+/// along those of the world, whichever axis is the worst; of one sample along an axis it is none.
+[[nodiscard]] double in_steps(const RegularGrid& grid, const Vec3d& distances);
 
 /// How lattice coordinates become the float32 positions of a Surface, and how far vertices must
 /// stay from lattice points so that rounding can neither merge two nor flip a triangle.
@@ -20,8 +21,9 @@ struct LatticeFrame {
   double rounding = 0;  ///< A position's rounding error, in lattice steps.
   bool is_mirrored = false;
 
-  /// Chooses the origin and the margin: 16 ulp of float32 at the largest coordinate, over
-  /// least_step(). With world coordinates so large that this is more than 1/256 of a step,
+  /// Chooses the origin and the margin: in_steps() of 32 ulp of float32 at the largest coordinate
+  /// along each axis, at most a quarter. (Only axes of their own matter: what is scaled along its
+  /// axes is as manifold as before.) With world coordinates so large that this is more than 1/128,
   /// positions are taken relative to the lower corner of the bounds.
   [[nodiscard]] static LatticeFrame of(const RegularGrid& grid);
 

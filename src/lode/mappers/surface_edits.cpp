@@ -20,6 +20,67 @@ void for_each_vertex_array(Surface& surface, const Visit& visit) {
   if (!surface.isovalues.empty()) visit(surface.isovalues);
   if (!surface.values.empty()) visit(surface.values);
   if (!surface.origins.empty()) visit(surface.origins);
+  for (Attribute& attribute : surface.attributes)
+    if (!attribute.values.empty()) visit(attribute.values);
+}
+
+/// The same of all that it has per cell, but for the cells.
+template <typename Visit>
+void for_each_cell_array(Surface& surface, const Visit& visit) {
+  if (!surface.errors.empty()) visit(surface.errors);
+  if (!surface.regions.empty()) visit(surface.regions);
+  if (!surface.patch_marks.empty()) visit(surface.patch_marks);
+  for (Attribute& attribute : surface.attributes)
+    if (!attribute.errors.empty()) visit(attribute.errors);
+}
+
+/// Cells, each with the number of one before an edit, whose error, region and patch it has.
+template <std::size_t N>
+struct SourcedCells {
+  std::vector<std::array<std::uint32_t, N>> cells{};
+  std::vector<std::uint32_t> sources{};
+
+  void add(const std::array<std::uint32_t, N>& cell, std::uint32_t source) {
+    cells.push_back(cell);
+    sources.push_back(source);
+  }
+  /// Keeps those for which is_kept(cell), which may change it.
+  template <typename IsKept>
+  void keep_if(const IsKept& is_kept) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (!is_kept(cells[i])) continue;
+      cells[n] = cells[i];
+      sources[n++] = sources[i];
+    }
+    cells.resize(n);
+    sources.resize(n);
+  }
+};
+
+/// Puts cells in the place of those before.
+template <std::size_t N>
+void replace_cells(Surface& surface, SourcedCells<N> made,
+                   std::vector<std::array<std::uint32_t, N>>& cells) {
+  cells = std::move(made.cells);
+  for_each_cell_array(surface, [&](auto& array) {
+    std::remove_reference_t<decltype(array)> gathered;
+    gathered.reserve(made.sources.size());
+    for (const std::uint32_t source : made.sources) gathered.push_back(array[source]);
+    array = std::move(gathered);
+  });
+}
+
+/// Keeps the cells for which is_kept(cell); returns how many went.
+template <std::size_t N, typename IsKept>
+std::uint64_t keep_cells(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells,
+                         const IsKept& is_kept) {
+  SourcedCells<N> kept;
+  for (std::uint32_t i = 0; i < cells.size(); ++i)
+    if (is_kept(cells[i])) kept.add(cells[i], i);
+  const std::uint64_t n_gone = cells.size() - kept.cells.size();
+  replace_cells(surface, std::move(kept), cells);
+  return n_gone;
 }
 
 std::uint32_t copy_vertex(Surface& surface, std::uint32_t v) {
@@ -87,7 +148,7 @@ Dropped drop_small(Surface& surface, std::vector<std::array<std::uint32_t, N>>& 
       dropped.cells += size;
     }
   if (dropped.components == 0) return dropped;
-  std::erase_if(cells, [&](const auto& cell) { return sizes[groups.find(cell[0])] < n; });
+  keep_cells(surface, cells, [&](const auto& cell) { return sizes[groups.find(cell[0])] >= n; });
   compact(surface, cells);
   return dropped;
 }
@@ -107,10 +168,10 @@ class BoxPlane {
 
   template <std::size_t N>
   void cut_cells(std::vector<std::array<std::uint32_t, N>>& cells) {
-    std::vector<std::array<std::uint32_t, N>> kept;
-    for (const auto& cell : cells) cut_cell(cell, kept);
-    cells = std::move(kept);
-    weld(cells);
+    SourcedCells<N> kept;
+    for (std::uint32_t i = 0; i < cells.size(); ++i) cut_cell(cells[i], i, kept);
+    weld(kept);
+    replace_cells(surface_, std::move(kept), cells);
     compact(surface_, cells);
   }
 
@@ -129,21 +190,21 @@ class BoxPlane {
   /// Makes one of a cell's new vertices that float32 does not tell apart, where a corner lies
   /// hardly before or behind the plane, and drops the cells that leaves without area.
   template <std::size_t N>
-  void weld(std::vector<std::array<std::uint32_t, N>>& cells) {
+  void weld(SourcedCells<N>& made) {
     if (surface_.positions.size() == first_new_) return;
     DisjointSets<> same(surface_.positions.size());
-    for (const auto& cell : cells)
+    for (const auto& cell : made.cells)
       for (std::size_t k = 0; k < N; ++k) {
         const std::uint32_t a = cell[k];
         const std::uint32_t b = cell[(k + 1) % N];
         if (std::min(a, b) >= first_new_ && surface_.positions[a] == surface_.positions[b])
           same.join(a, b);
       }
-    std::erase_if(cells, [&](auto& cell) {
+    made.keep_if([&](auto& cell) {
       bool is_flat = false;
       for (std::uint32_t& v : cell) v = same.find(v);
       for (std::size_t k = 0; k < N; ++k) is_flat = is_flat || cell[k] == cell[(k + 1) % N];
-      return is_flat;
+      return !is_flat;
     });
   }
 
@@ -166,18 +227,21 @@ class BoxPlane {
       surface_.normals[v] = normalized(mixed(surface_.normals[a], surface_.normals[b]));
     if (!surface_.values.empty())
       surface_.values[v] += t * (surface_.values[b] - surface_.values[a]);
+    for (Attribute& attribute : surface_.attributes)
+      if (!attribute.values.empty())
+        attribute.values[v] += t * (attribute.values[b] - attribute.values[a]);
     if (!surface_.origins.empty())
       surface_.origins[v] = mixed(surface_.origins[a], surface_.origins[b]);
     return entry->second = v;
   }
 
   template <std::size_t N>
-  void cut_cell(const std::array<std::uint32_t, N>& cell,
-                std::vector<std::array<std::uint32_t, N>>& kept) {
+  void cut_cell(const std::array<std::uint32_t, N>& cell, std::uint32_t source,
+                SourcedCells<N>& kept) {
     std::array<double, N> d;
     for (std::size_t i = 0; i < N; ++i) d[i] = beyond(cell[i]);
     if (std::none_of(d.begin(), d.end(), [](double x) { return x > 0; })) {
-      kept.push_back(cell);
+      kept.add(cell, source);
       return;
     }
     if (std::none_of(d.begin(), d.end(), [](double x) { return x < 0; })) return;
@@ -194,12 +258,12 @@ class BoxPlane {
       if (i < kEdges && d[i] * d[j] < 0) polygon[n++] = cut_edge(cell[i], cell[j]);
     }
     if constexpr (N == 2) {
-      kept.push_back({polygon[0], polygon[1]});
+      kept.add({polygon[0], polygon[1]}, source);
     } else {
       // From the nearest: hardly before the plane, it may lie on the line from the other corner
       // to the cut above it.
       const auto corner = [&](std::size_t i) { return polygon[(nearest + i) % n]; };
-      for (std::size_t i = 2; i < n; ++i) kept.push_back({corner(0), corner(i - 1), corner(i)});
+      for (std::size_t i = 2; i < n; ++i) kept.add({corner(0), corner(i - 1), corner(i)}, source);
     }
   }
 
@@ -261,7 +325,6 @@ double crop_rounding(const Box3d& box, const Box3d& bounds, const Vec3d& origin)
 }
 
 void crop(Surface& surface, const Box3d& box) {
-  LODE_EXPECTS(surface.errors.empty());
   if (surface.is_empty()) return;
   const double rounding = crop_rounding(box, world_bounds(surface), surface.origin);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -275,7 +338,6 @@ void crop(Surface& surface, const Box3d& box) {
 }
 
 Dropped drop_small_components(Surface& surface, std::uint64_t n) {
-  LODE_EXPECTS(surface.errors.empty());
   if (!surface.lines.empty()) return drop_small(surface, surface.lines, n);
   return drop_small(surface, surface.triangles, n);
 }
@@ -294,12 +356,10 @@ ComponentNumbers number_components(const Surface& surface) {
 
 Dropped drop_components(Surface& surface, const ComponentNumbers& numbers,
                         std::span<const std::uint8_t> is_marked) {
-  LODE_EXPECTS(surface.errors.empty());
-  const std::size_t before = surface.triangles.size();
-  std::erase_if(surface.triangles,
-                [&](const auto& t) { return is_marked[numbers.of_vertex[t[0]]] != 0; });
-  const Dropped dropped{static_cast<std::uint64_t>(std::ranges::count(is_marked, 1)),
-                        before - surface.triangles.size()};
+  const std::uint64_t n_gone = keep_cells(surface, surface.triangles, [&](const auto& t) {
+    return is_marked[numbers.of_vertex[t[0]]] == 0;
+  });
+  const Dropped dropped{static_cast<std::uint64_t>(std::ranges::count(is_marked, 1)), n_gone};
   if (dropped.components > 0) compact(surface, surface.triangles);
   return dropped;
 }

@@ -28,10 +28,10 @@ void split_pinched_vertices(Surface& surface);
 
 /// Keeps the part inside the box (world units) or in its planes; the cut is straight and shared by
 /// both cells. Vertices within crop_rounding() of a plane count as in it, and stay where they are.
-/// Expects no errors per cell.
+/// Errors, regions and patches are those of the cells that are cut.
 void crop(Surface& surface, const Box3d& box);
 
-/// Drops connected pieces of fewer than n cells. Expects no errors per cell.
+/// Drops connected pieces of fewer than n cells.
 [[nodiscard]] Dropped drop_small_components(Surface& surface, std::uint64_t n);
 
 /// The components of a surface of triangles.
@@ -41,8 +41,7 @@ struct ComponentNumbers {
 };
 [[nodiscard]] ComponentNumbers number_components(const Surface& surface);
 
-/// Drops those components of a surface of triangles that are marked, by number. Expects no errors
-/// per cell.
+/// Drops those components of a surface of triangles that are marked, by number.
 [[nodiscard]] Dropped drop_components(Surface& surface, const ComponentNumbers& numbers,
                                       std::span<const std::uint8_t> is_marked);
 

@@ -1,0 +1,119 @@
+#include "lode/render/legend.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "lode/render/lettering.h"
+
+namespace lode {
+namespace {
+
+constexpr Color kDark{32, 36, 44};
+constexpr Color kLight{240, 243, 247};
+
+Color& pixel_of(Image& image, int x, int y) {
+  return image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                      static_cast<std::size_t>(x)];
+}
+
+/// Dark where it is light, and light where it is dark.
+Color contrast_to(const Image& image, int left, int top, int right, int bottom) {
+  constexpr double kMiddle = 128;
+  double sum = 0;
+  double n = 0;
+  for (int y = std::max(top, 0); y < std::min(bottom, image.height); ++y)
+    for (int x = std::max(left, 0); x < std::min(right, image.width); ++x) {
+      const Color& at = image.at(x, y);
+      // Luma, of what shows through taken for white.
+      const double luma = 0.299 * at.r + 0.587 * at.g + 0.114 * at.b;
+      sum += 255 + (luma - 255) * at.a / 255;
+      n += 1;
+    }
+  return n > 0 && sum / n < kMiddle ? kLight : kDark;
+}
+
+/// Where all of it goes, pixels.
+struct Layout {
+  int bar_left;
+  int bar_right;
+  int bar_top;
+  int bar_bottom;
+  int gap;
+};
+
+Layout layout_of(const Image& image, int letter) {
+  const int right = image.width - 2 * letter;
+  const int width = std::max(letter * 5 / 4, 8);
+  return {right - width, right, image.height * 3 / 10, image.height * 8 / 10, letter / 2};
+}
+
+void draw_bar(const Legend& legend, const Layout& at, Color outline, Image& image) {
+  for (int y = at.bar_top; y < at.bar_bottom; ++y) {
+    const double up = (at.bar_bottom - y - 0.5) / (at.bar_bottom - at.bar_top);
+    Color color = legend.color(legend.low + up * (legend.high - legend.low));
+    color.a = 255;
+    for (int x = at.bar_left; x < at.bar_right; ++x) pixel_of(image, x, y) = color;
+  }
+  for (int x = at.bar_left - 1; x <= at.bar_right; ++x) {
+    blend(outline, 1, pixel_of(image, x, at.bar_top - 1));
+    blend(outline, 1, pixel_of(image, x, at.bar_bottom));
+  }
+  for (int y = at.bar_top; y < at.bar_bottom; ++y) {
+    blend(outline, 1, pixel_of(image, at.bar_left - 1, y));
+    blend(outline, 1, pixel_of(image, at.bar_right, y));
+  }
+}
+
+}  // namespace
+
+std::vector<double> round_values(double low, double high) {
+  if (!(low < high) || !std::isfinite(high - low)) return {low};
+  constexpr double kMost = 8;
+  const double power = std::pow(10, std::floor(std::log10((high - low) / kMost)));
+  double step = power;
+  for (const double factor : {2.0, 5.0, 10.0})
+    if ((high - low) / step > kMost) step = factor * power;
+  std::vector<double> values;
+  const double first = std::ceil(low / step - 1e-9);
+  for (int i = 0; i <= static_cast<int>(kMost); ++i)
+    if (const double value = (first + i) * step; value <= high + 1e-9 * step)
+      values.push_back(value == 0 ? 0 : value);
+  return values;
+}
+
+Result<void> draw_legend(const Legend& legend, Image& image) {
+  if (image.width < kLeastLegendWidth || image.height < kLeastLegendHeight) return {};
+  constexpr int kLetters = 45;  // So many in the picture's height.
+  const int size = std::max(image.height / kLetters, 9);
+  LODE_TRY(const Lettering letters, Lettering::open(size));
+  const int letter = letters.height();
+  const Layout at = layout_of(image, letter);
+  const std::vector<double> values = round_values(legend.low, legend.high);
+  std::vector<std::string> texts;
+  int widest = 0;
+  for (const double value : values) {
+    texts.push_back(fmt::format("{:.6g}", value));
+    widest = std::max(widest, letters.width(texts.back()));
+  }
+  const int text_right = at.bar_left - 2 * at.gap;
+  const Color ink =
+      contrast_to(image, text_right - widest, at.bar_top - 2 * letter, at.bar_right, at.bar_bottom);
+  draw_bar(legend, at, ink, image);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double up =
+        legend.low < legend.high ? (values[i] - legend.low) / (legend.high - legend.low) : 0.5;
+    const int y = at.bar_bottom - static_cast<int>(std::lround(up * (at.bar_bottom - at.bar_top)));
+    const int row = std::clamp(y, at.bar_top, at.bar_bottom - 1);
+    for (int x = at.bar_left - at.gap; x < at.bar_left; ++x) blend(ink, 1, pixel_of(image, x, row));
+    letters.write(texts[i], text_right - letters.width(texts[i]), y + letter / 2, ink, image);
+  }
+  const int title = letters.width(legend.title);
+  letters.write(legend.title, std::max(at.bar_right - title, at.gap), at.bar_top - 3 * letter / 2,
+                ink, image);
+  return {};
+}
+
+}  // namespace lode
