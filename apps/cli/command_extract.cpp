@@ -359,6 +359,8 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
   set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
             options.max_error);
+  set_share(arguments.extraction.keep_topology, input.info.range_min, input.info.range_max,
+            options.keep_topology);
   warn_of_coordinates(session, input.info.volume.grid);
   LODE_CHECK(check_simplify_range(options, input.info.range_min, input.info.range_max));
   Totals totals;

@@ -244,6 +244,8 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
   set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
             extraction.max_error);
+  set_share(arguments.extraction.keep_topology, input.info.range_min, input.info.range_max,
+            extraction.keep_topology);
   if (extraction.isovalues.empty()) {
     LODE_TRY(const double isovalue, suggest_isovalue(input.dataset, session.progress()));
     extraction.isovalues = {isovalue};

@@ -164,6 +164,8 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
     ExtractOptions options = asked;
     set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
               options.max_error);
+    set_share(arguments.extraction.keep_topology, input.info.range_min, input.info.range_max,
+              options.keep_topology);
     options.threads = session.threads();
     LODE_TRY(of_surface, verify_surfaces(arguments.surfaces, input.dataset, options, session));
   }

@@ -136,6 +136,8 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   LODE_TRY(const Input input, open_input(session, job.input, job.reading, accept));
   set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
             options.query.max_error);
+  set_share(job.query.max_error_outside, input.info.range_min, input.info.range_max,
+            options.query.max_error_outside);
   Surface surface;
   LODE_TRY(const FocusedReport report,
            extract_focused(input.dataset, options, surface, session.progress()));

@@ -122,6 +122,8 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   LODE_TRY(const Input input, open_input(session, job.input, job.reading));
   set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
             options.query.max_error);
+  set_share(job.query.max_error_outside, input.info.range_min, input.info.range_max,
+            options.query.max_error_outside);
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   Made made = to_made(report, !options.query.max_error, report.n_cells);

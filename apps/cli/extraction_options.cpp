@@ -64,19 +64,18 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                  "or they of cubes, world units")
       ->type_name("D")
       ->group(group);
-  app.add_flag(
-         "--keep-topology{0}", arguments.keep_topology,
-         "Refine where the surface would tear, join, lose or gain a piece: components, "
-         "tunnels and voids are those of full resolution; with =P those at least that there "
-         "are from P below the isovalue to P above it, without pieces round regions that "
-         "nowhere are farther than P from it. Not with --max-distance, unless with --simplify "
-         "or --remove-slivers: then the distance is from what is left. Of these P is "
-         "--max-error at most, and with both, but of cubes, nothing is left out")
+  app.add_flag("--keep-topology{0}", arguments.keep_topology,
+               "Refine where the surface would tear, join, lose or gain a piece: components, "
+               "tunnels and voids are those of full resolution; with =P those at least that there "
+               "are from P below the isovalue to P above it, without pieces round regions that "
+               "nowhere are farther than P from it (P may be with % of the range of values). Not "
+               "with --max-distance, unless with --simplify "
+               "or --remove-slivers: then the distance is from what is left. Of these P is "
+               "--max-error at most, and with both, but of cubes, nothing is left out")
       ->group(group);
   app.add_option("--clip", arguments.clip,
                  "Crop to a box in world units (not --mesh); of terrain the triangles that meet "
-                 "X0,X1,Y0,Y1, "
-                 "whole")
+                 "X0,X1,Y0,Y1, whole")
       ->type_name("X0,X1,Y0,Y1[,Z0,Z1]")
       ->group(group);
   app.add_flag("--close-border", arguments.close_border,
@@ -122,9 +121,7 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
     return fail("--close-border: expected no --clip with it, whose cut would stay open");
   options.border = arguments.close_border ? Border::closed : Border::open;
   if (!arguments.keep_topology.empty()) {
-    LODE_TRY(options.keep_topology, parse_number("--keep-topology", arguments.keep_topology));
-    if (!(*options.keep_topology >= 0))
-      return fail("--keep-topology: expected a number >= 0, got '{}'", arguments.keep_topology);
+    LODE_TRY(options.keep_topology, parse_tolerance("--keep-topology", arguments.keep_topology));
   }
   if (options.keep_topology && options.clip)
     return fail("--keep-topology: expected no --clip with it, whose planes cut pieces elsewhere");

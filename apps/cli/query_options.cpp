@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parse.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -151,8 +152,9 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments) {
       "Tolerance in space, of a mesh of cells built with --space-errors: how far from its place a "
       "value may be, world units, by an estimate; without --max-error values may be off by any");
   add("--max-error-outside", arguments.max_error_outside, "E",
-      "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of terrain "
-      "and of a mesh of cells also with %; with --opacity of errors as they are, however clear it "
+      "Tolerance outside the focus, in the unit of the other, or of terrain's heights, or with % "
+      "of "
+      "the range of values; with --opacity of errors as they are, however clear it "
       "is there (default: any)");
   add("--max-cells", arguments.max_cells, "N",
       "At most N simplices, before cells are cut by --clip or where the data end; of a volume's "
@@ -267,8 +269,10 @@ Result<Query> to_query(const QueryArguments& arguments, const ExtractionArgument
   query.max_error = surface.max_error;
   LODE_TRY(query.field_ranges, parse_field_ranges(arguments.field_ranges));
   LODE_CHECK(add_foci(arguments, query));
-  LODE_TRY(query.max_error_outside,
-           parse_limit("--max-error-outside", arguments.max_error_outside));
+  if (!arguments.max_error_outside.empty()) {
+    LODE_TRY(query.max_error_outside,
+             parse_tolerance("--max-error-outside", arguments.max_error_outside));
+  }
   return query;
 }
 
@@ -376,8 +380,13 @@ Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
   query.max_error = surface.max_error;
   LODE_CHECK(add_foci(arguments, query));
   LODE_TRY(query.max_error_px, parse_limit("--max-error-px", arguments.max_error_px));
-  LODE_TRY(query.max_error_outside,
-           parse_limit("--max-error-outside", arguments.max_error_outside));
+  if (!arguments.max_error_outside.empty()) {
+    LODE_TRY(query.max_error_outside,
+             parse_tolerance("--max-error-outside", arguments.max_error_outside));
+    if (!query.max_error && query.max_error_px && is_share(arguments.max_error_outside))
+      return fail("--max-error-outside: expected pixels as --max-error-px, got '{}'",
+                  arguments.max_error_outside);
+  }
   if (query.max_error_px && arguments.view.empty())
     return fail("--max-error-px: expected --view with it, which says how large pixels are");
   if (query.max_error_outside && arguments.view.empty() && query.boxes.empty() &&

@@ -114,6 +114,16 @@ TEST(cli_inputs, refuses_an_unknown_extension) {
   expect_refused_everywhere(scratch / "scan.abc", scratch);
 }
 
+TEST(cli_inputs, says_what_makes_volumes_of_dicom) {
+  const Scratch scratch;
+  const std::string slice = std::string(128, '\0') + "DICM" + std::string(60, '\1');
+  std::filesystem::create_directory(scratch / "series");
+  write_bytes(scratch / "slice.dcm", slice);
+  write_bytes(scratch / "series/1", slice);
+  for (const char* name : {"slice.dcm", "series"})
+    expect_refusal(run_lode({"info", scratch / name}), 1, {name, "DICOM", "dcm2niix"});
+}
+
 TEST(cli_inputs, refuses_a_truncated_lode_file) {
   const Scratch scratch;
   write_ball(scratch / "ball.nrrd");

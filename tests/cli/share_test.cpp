@@ -55,6 +55,39 @@ TEST_F(cli_share, makes_the_surface_of_its_number) {
   EXPECT_NE(verify("1%").exit_code, 0) << "another surface";
 }
 
+TEST_F(cli_share, of_persistence_and_outside_a_focus_is_the_same) {
+  const auto bytes_of = [&](const char* name, Words options) {
+    options.insert(options.end(), {"--isovalue", "100"});
+    EXPECT_EQ(extract(name, options).exit_code, 0);
+    return read_bytes(file(name));
+  };
+  EXPECT_EQ(bytes_of("share.ply", {"--max-error", "20", "--keep-topology=5%"}),
+            bytes_of("number.ply", {"--max-error", "20", "--keep-topology=10"}));
+  const Words focus{"--max-error", "1", "--box", "2,5,2,5,2,5", "--max-error-outside"};
+  const auto outside = [&](const char* tolerance) {
+    Words words = focus;
+    words.emplace_back(tolerance);
+    return words;
+  };
+  EXPECT_EQ(bytes_of("s.ply", outside("10%")), bytes_of("n.ply", outside("20")));
+  EXPECT_NE(bytes_of("s.ply", outside("10%")), bytes_of("n.ply", outside("2")));
+  EXPECT_EQ(run_lode({"verify", lode_file(), "--surface", file("share.ply"), "--isovalue", "100",
+                      "--max-error", "20", "--keep-topology=5%"})
+                .exit_code,
+            0);
+  const std::string mesh = file("m.vtu");
+  const auto mesh_of = [&](const char* tolerance) {
+    Words words{"extract", lode_file(), mesh, "--mesh"};
+    const Words more = outside(tolerance);
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run_lode(words).exit_code, 0);
+    return read_bytes(mesh);
+  };
+  EXPECT_EQ(mesh_of("10%"), mesh_of("20"));
+  expect_refusal(extract("s.ply", {"--isovalue", "100", "--keep-topology=-5%"}), 2,
+                 {"--keep-topology", "'-5%'"});
+}
+
 TEST_F(cli_share, is_a_number_with_one_sign) {
   for (const char* text : {"%", "-1%", "1%%", "1 %", "nan%", "one%", "1e999%"})
     expect_refusal(extract("s.ply", {"--isovalue", "100", "--max-error", text}), 2,

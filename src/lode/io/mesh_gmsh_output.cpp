@@ -8,6 +8,7 @@
 #include "lode/io/mesh_blocks.h"
 #include "lode/io/mesh_patches.h"
 #include "lode/io/surface_output.h"
+#include "lode/io/vector_arrays.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -190,15 +191,35 @@ Result<void> write_gmsh_data(std::string_view section, std::string_view name, st
   return out.text(fmt::format("\n$End{}\n", section));
 }
 
+/// $NodeData of three components.
+Result<void> write_gmsh_vectors(std::string_view name,
+                                std::span<const std::span<const double>> fields, GmshOutput& out) {
+  const std::size_t n = fields[0].size();
+  LODE_CHECK(
+      out.text(fmt::format("$NodeData\n1\n\"{}\"\n1\n{}\n3\n0\n3\n{}\n", name, out.time, n)));
+  LODE_CHECK(write_records(out.file, n, sizeof(std::int32_t) + fields.size() * sizeof(double),
+                           [&](std::size_t i, std::byte* to) {
+                             put(to, static_cast<std::int32_t>(i + 1));
+                             for (const std::span<const double> field : fields)
+                               put(to, double{field[i]});
+                           }));
+  return out.text("\n$EndNodeData\n");
+}
+
 Result<void> write_gmsh_fields(const MeshWriteOptions& options, GmshOutput& out) {
   const SimplexMesh& mesh = out.mesh;
   LODE_CHECK(write_gmsh_data(
       "NodeData", vtk_array_name(options.value_name), mesh.values.size(),
       [&](std::size_t i) { return mesh.values[i]; }, out));
-  for (const Attribute& attribute : mesh.attributes)
-    LODE_CHECK(write_gmsh_data(
-        "NodeData", vtk_array_name(attribute.name), attribute.values.size(),
-        [&](std::size_t i) { return attribute.values[i]; }, out));
+  for (const ArrayOfFields& array : arrays_of_fields(options.value_name, mesh.attributes)) {
+    const auto fields = fields_of(array, mesh.values, mesh.attributes);
+    if (fields.size() == 1)
+      LODE_CHECK(write_gmsh_data(
+          "NodeData", vtk_array_name(array.name), fields[0].size(),
+          [&](std::size_t i) { return fields[0][i]; }, out));
+    else
+      LODE_CHECK(write_gmsh_vectors(vtk_array_name(array.name), fields, out));
+  }
   const std::span<const std::uint32_t> cells = out.blocks.cells();
   const auto write_errors = [&](std::string_view name, const std::vector<float>& errors) {
     return write_gmsh_data(

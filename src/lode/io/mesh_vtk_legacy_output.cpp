@@ -1,5 +1,6 @@
 #include "lode/io/mesh_vtk_legacy_output.h"
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "lode/io/mesh_blocks.h"
 #include "lode/io/surface_output.h"
+#include "lode/io/vector_arrays.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -103,15 +105,16 @@ Result<void> write_legacy_cell_data(SurfaceOutput& file, const SimplexMesh& mesh
   });
 }
 
-/// Big-endian, as floats where these hold them.
-Result<void> write_legacy_values(SurfaceOutput& file, const std::vector<double>& values,
-                                 bool is_narrow) {
-  const std::size_t n_bytes = is_narrow ? sizeof(float) : sizeof(double);
-  return write_records(file, values.size(), n_bytes, [&](std::size_t i, std::byte* out) {
-    if (is_narrow)
-      put_big(out, static_cast<float>(values[i]));
-    else
-      put_big(out, values[i]);
+/// Big-endian, as floats where these hold them; of several fields their values in turns.
+Result<void> write_legacy_values(SurfaceOutput& file,
+                                 std::span<const std::span<const double>> fields, bool is_float) {
+  const std::size_t n_bytes = fields.size() * (is_float ? sizeof(float) : sizeof(double));
+  return write_records(file, fields.front().size(), n_bytes, [&](std::size_t i, std::byte* out) {
+    for (const std::span<const double> field : fields)
+      if (is_float)
+        put_big(out, static_cast<float>(field[i]));
+      else
+        put_big(out, double{field[i]});
   });
 }
 
@@ -122,13 +125,16 @@ Result<void> write_legacy_point_data(SurfaceOutput& file, const SimplexMesh& mes
   LODE_CHECK(
       file.write(fmt::format("\nPOINT_DATA {}\nSCALARS {} {} 1\nLOOKUP_TABLE default\n", n,
                              legacy_name(options.value_name), type_of(mesh.has_narrow_values))));
-  LODE_CHECK(write_legacy_values(file, mesh.values, mesh.has_narrow_values));
+  const std::array values{std::span<const double>(mesh.values)};
+  LODE_CHECK(write_legacy_values(file, values, mesh.has_narrow_values));
   if (mesh.attributes.empty()) return {};
-  LODE_CHECK(file.write(fmt::format("\nFIELD FieldData {}", mesh.attributes.size())));
-  for (const Attribute& attribute : mesh.attributes) {
-    LODE_CHECK(file.write(fmt::format("\n{} 1 {} {}\n", legacy_name(attribute.name), n,
-                                      type_of(attribute.is_narrow))));
-    LODE_CHECK(write_legacy_values(file, attribute.values, attribute.is_narrow));
+  const std::vector<ArrayOfFields> arrays = arrays_of_fields(options.value_name, mesh.attributes);
+  LODE_CHECK(file.write(fmt::format("\nFIELD FieldData {}", arrays.size())));
+  for (const ArrayOfFields& array : arrays) {
+    const bool is_float = is_narrow(array, mesh.has_narrow_values, mesh.attributes);
+    LODE_CHECK(file.write(fmt::format("\n{} {} {} {}\n", legacy_name(array.name),
+                                      array.fields.size(), n, type_of(is_float))));
+    LODE_CHECK(write_legacy_values(file, fields_of(array, mesh.values, mesh.attributes), is_float));
   }
   return {};
 }

@@ -8,6 +8,7 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/io/mesh_blocks.h"
 #include "lode/io/mesh_patches.h"
+#include "lode/io/vector_arrays.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -20,7 +21,8 @@ constexpr std::uint8_t kVtkTetrahedron = 10;
 struct VtuLayout {
   std::string value_name;
   VtkXmlArray values;
-  std::vector<VtkXmlArray> attributes;
+  std::vector<ArrayOfFields> more;      ///< Attributes, and vectors of them,
+  std::vector<VtkXmlArray> attributes;  ///< likewise.
   VtkXmlArray errors;
   std::vector<VtkXmlArray> attribute_errors;  ///< Of no bytes, and then left out, where unknown.
   VtkXmlArray regions;  ///< Of no bytes, and then left out, where there is one.
@@ -57,11 +59,15 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
   layout.values = {fmt::format(R"(type="{}" Name="{}")",
                                mesh.has_narrow_values ? "Float32" : "Float64", layout.value_name),
                    n * (mesh.has_narrow_values ? sizeof(float) : sizeof(double))};
-  for (const Attribute& attribute : mesh.attributes)
+  layout.more = arrays_of_fields(options.value_name, mesh.attributes);
+  for (const ArrayOfFields& array : layout.more) {
+    const bool is_float = is_narrow(array, mesh.has_narrow_values, mesh.attributes);
     layout.attributes.push_back(
-        {fmt::format(R"(type="{}" Name="{}")", attribute.is_narrow ? "Float32" : "Float64",
-                     vtk_array_name(attribute.name)),
-         n * (attribute.is_narrow ? sizeof(float) : sizeof(double))});
+        {fmt::format(R"(type="{}" Name="{}"{})", is_float ? "Float32" : "Float64",
+                     vtk_array_name(array.name),
+                     array.fields.size() > 1 ? R"( NumberOfComponents="3")" : ""),
+         n * array.fields.size() * (is_float ? sizeof(float) : sizeof(double))});
+  }
   for (const Attribute& attribute : mesh.attributes)
     layout.attribute_errors.push_back(
         {fmt::format(R"(type="Float32" Name="{}")", vtk_array_name(error_name(attribute))),
@@ -118,6 +124,21 @@ Result<void> write_values(SurfaceOutput& file, const std::vector<double>& values
   if (!is_narrow) return write_array(file, std::span(values));
   return write_records(file, values.size(), sizeof(float), [&](std::size_t i, std::byte* out) {
     put(out, static_cast<float>(values[i]));
+  });
+}
+
+/// One field, or the components of a vector in turns.
+Result<void> write_fields(SurfaceOutput& file, const ArrayOfFields& array,
+                          const SimplexMesh& mesh) {
+  const bool is_float = is_narrow(array, mesh.has_narrow_values, mesh.attributes);
+  const auto fields = fields_of(array, mesh.values, mesh.attributes);
+  const std::size_t n_bytes = fields.size() * (is_float ? sizeof(float) : sizeof(double));
+  return write_records(file, mesh.positions.size(), n_bytes, [&](std::size_t i, std::byte* out) {
+    for (const std::span<const double> field : fields)
+      if (is_float)
+        put(out, static_cast<float>(field[i]));
+      else
+        put(out, double{field[i]});
   });
 }
 
@@ -195,9 +216,9 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_CHECK(file.write(vtu_piece(mesh, layout, options.time)));
   LODE_CHECK(write_array_size(file, layout.values));
   LODE_CHECK(write_values(file, mesh.values, mesh.has_narrow_values));
-  for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
+  for (std::size_t i = 0; i < layout.more.size(); ++i) {
     LODE_CHECK(write_array_size(file, layout.attributes[i]));
-    LODE_CHECK(write_values(file, mesh.attributes[i].values, mesh.attributes[i].is_narrow));
+    LODE_CHECK(write_fields(file, layout.more[i], mesh));
   }
   LODE_CHECK(write_cell_data(file, mesh, layout));
   LODE_CHECK(write_array_size(file, layout.points));

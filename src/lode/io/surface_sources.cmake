@@ -1,6 +1,7 @@
 # Writing and reading surfaces; included by CMakeLists.txt beside it.
 set(IO_SURFACE_SOURCES
   mesh_vtu.cpp
+  vector_arrays.cpp
   network_vtp.cpp
   patched_spool.cpp
   surface_file.cpp

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "lode/io/mesh_patches.h"
+#include "lode/io/vector_arrays.h"
 #include "lode/io/vtk_xml_output.h"
 #include "lode/io/waiting_stream.h"
 
@@ -13,7 +14,8 @@ namespace {
 /// The arrays of a file in the order of their data. Unused ones are left out.
 struct VtpLayout {
   std::optional<VtkXmlArray> values;
-  std::vector<VtkXmlArray> attributes;
+  std::vector<ArrayOfFields> more;      ///< Attributes, and vectors of them,
+  std::vector<VtkXmlArray> attributes;  ///< likewise.
   std::optional<VtkXmlArray> isovalues;
   std::optional<VtkXmlArray> normals;
   std::optional<VtkXmlArray> origins;
@@ -43,9 +45,13 @@ VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOption
   if (surface.has_values)
     layout.values = {fmt::format(R"(type="Float64" Name="{}")", vtk_array_name(options.value_name)),
                      n * sizeof(double)};
-  for (const std::string& name : surface.attributes)
+  layout.more =
+      arrays_of_fields(surface.has_values ? options.value_name : std::string(), surface.attributes);
+  for (const ArrayOfFields& array : layout.more)
     layout.attributes.push_back(
-        {fmt::format(R"(type="Float64" Name="{}")", vtk_array_name(name)), n * sizeof(double)});
+        {fmt::format(R"(type="Float64" Name="{}"{})", vtk_array_name(array.name),
+                     array.fields.size() > 1 ? R"( NumberOfComponents="3")" : ""),
+         n * array.fields.size() * sizeof(double)});
   if (surface.has_isovalues)
     layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
   if (surface.has_normals)
@@ -161,6 +167,16 @@ Result<void> write_patches(SurfaceOutput& file, const Surface& surface, const Vt
                        });
 }
 
+/// One field, or the components of a vector in turns.
+Result<void> write_fields(SurfaceOutput& file, const ArrayOfFields& array, const Surface& surface) {
+  const auto fields = fields_of(array, surface.values, surface.attributes);
+  return write_records(file, fields.front().size(), fields.size() * sizeof(double),
+                       [&](std::size_t i, std::byte* out) {
+                         for (const std::span<const double> field : fields)
+                           put(out, double{field[i]});
+                       });
+}
+
 /// Attributes and points.
 Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
                                 std::span<const Vec3d> places, const VtpLayout& layout) {
@@ -172,9 +188,9 @@ Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
     LODE_CHECK(write_array_size(file, *layout.origins));
     LODE_CHECK(write_places(file, surface, surface.origins, is_double));
   }
-  for (std::size_t i = 0; i < layout.attributes.size(); ++i) {
+  for (std::size_t i = 0; i < layout.more.size(); ++i) {
     LODE_CHECK(write_array_size(file, layout.attributes[i]));
-    LODE_CHECK(write_array(file, std::span(surface.attributes[i].values)));
+    LODE_CHECK(write_fields(file, layout.more[i], surface));
   }
   LODE_CHECK(write_optional(file, layout.errors, surface.errors));
   LODE_CHECK(write_optional(file, layout.regions, surface.regions));

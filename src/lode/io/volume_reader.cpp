@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "lode/core/out_of_memory.h"
+#include "lode/io/dicom.h"
 #include "lode/io/image.h"
 #include "lode/io/image_source.h"
 #include "lode/io/metaimage.h"
@@ -77,6 +78,7 @@ Result<Image> read_image(const std::string& path, const ReadOptions& options) {
   if (options.raw) return read_raw(path, *options.raw, storage);
   if (is_raw_path(path))
     return fail("{}: a raw file does not describe itself; give --dims X,Y,Z and --type", path);
+  if (auto dicom = refuse_dicom(path)) return *dicom;
   return fail("{}: expected a volume ({}), or where they are taken {}, got extension {}", path,
               kVolumeExtensions, kOtherFiles,
               in_quotes(std::filesystem::path(path).extension().string()));

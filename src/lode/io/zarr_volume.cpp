@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "lode/io/dicom.h"
 #include "lode/io/image.h"
 #include "lode/io/image_grid.h"
 #include "lode/io/image_source.h"
@@ -71,11 +72,13 @@ Result<std::vector<ZarrEntry>> list_ome_images(const std::string& path) {
 
 Result<std::vector<ZarrEntry>> list_images(const std::string& path) {
   LODE_TRY(const ZarrNode node, zarr_node_at(path));
-  if (node == ZarrNode::none)
+  if (node == ZarrNode::none) {
+    if (auto dicom = refuse_dicom(path)) return *dicom;
     return fail(
         "{}: expected a file, or a directory with .zarray, .zgroup or zarr.json (Zarr), "
         "got another directory",
         path);
+  }
   if (node == ZarrNode::array) return std::vector<ZarrEntry>(1);
   LODE_TRY(std::vector<ZarrEntry> entries, list_ome_images(path));
   if (!entries.empty()) return entries;
