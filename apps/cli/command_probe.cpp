@@ -8,6 +8,7 @@
 #include "probe_output.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
+#include "tetra_query_options.h"
 #include "text.h"
 #include "tolerance.h"
 #include "vtk_import.h"
@@ -75,6 +76,11 @@ void warn_of_answer(Session& session, const ProbeAnswer& answer) {
         "{} points are outside of the cut, but no farther than its boundary may be off: "
         "if the field is there, it is from low to high",
         answer.report.n_near_boundary));
+  const auto n_snapped = std::ranges::count_if(
+      answer.points, [](const ProbedPoint& point) { return point.snapped > 0; });
+  if (n_snapped > 0)
+    session.note(
+        fmt::format("{} points are outside, and have what the nearest of the mesh has", n_snapped));
   if (!answer.integral && answer.points.empty() && answer.line.empty())
     session.warn("the line meets no cell");
 }
@@ -146,7 +152,7 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
   }
   LODE_TRY(const TetraInput input, open_tetra_input(arguments.input, arguments.reading, session));
   auto regions = find_regions(input.dataset.describe(), arguments.regions);
-  if (!regions) return fail("{}: {}", arguments.input, regions.error().message);
+  if (!regions) return naming_option("--region", arguments.input, regions.error());
   job.integral.regions = std::move(*regions);
   job.options.field = job.integral.field = input.fields.measured;
   job.options.along = job.integral.along = input.fields.along;

@@ -247,10 +247,13 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   set_share(arguments.extraction.keep_topology, input.info.range_min, input.info.range_max,
             extraction.keep_topology);
   if (extraction.isovalues.empty()) {
-    LODE_TRY(const double isovalue, suggest_isovalue(input.dataset, session.progress()));
-    extraction.isovalues = {isovalue};
+    LODE_TRY(const auto isovalue, suggest_isovalue(input.dataset, session.progress()));
+    if (!isovalue)
+      return fail("{}: expected --isovalue, or values that one parts in two, got neither",
+                  arguments.input);
+    extraction.isovalues = {*isovalue};
     session.note(
-        fmt::format("--isovalue {:.9g}, as none was given: it parts the values best", isovalue));
+        fmt::format("--isovalue {}, as none was given: it parts the values best", *isovalue));
   }
   Rendering rendering;
   Surface surface;

@@ -137,6 +137,14 @@ bool is_of(DataKind kind, const CLI::App& app, const CLI::Option& option) {
   return has(kinds_of(app, option), static_cast<std::size_t>(kind));
 }
 
+/// What the first positional argument names; empty where it is missing.
+std::string first_input(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options())
+    if (option->get_positional())
+      return option->results().empty() ? std::string() : option->results().front();
+  return {};
+}
+
 /// "a volume or terrain"
 std::string describe(unsigned kinds) {
   std::string text;
@@ -175,13 +183,11 @@ DataKind kind_of(const std::string& path) {
   return holds_cells(path) ? DataKind::mesh : DataKind::volume;
 }
 
-std::optional<DataKind> kind_of_files(const std::vector<std::string>& arguments) {
-  for (const std::string& argument : arguments) {
-    std::error_code error;
-    if (!argument.starts_with('-') && std::filesystem::exists(argument, error))
-      return kind_of(argument);
-  }
-  return {};
+std::optional<DataKind> kind_of_input(const CLI::App& app) {
+  const std::string path = first_input(app);
+  std::error_code error;
+  if (path.empty() || !std::filesystem::exists(path, error)) return {};
+  return kind_of(path);
 }
 
 void show_only(DataKind kind, CLI::App& app) {
@@ -192,13 +198,10 @@ void show_only(DataKind kind, CLI::App& app) {
 }
 
 Result<void> check_options(const CLI::App& app) {
-  const std::vector<const CLI::Option*> options = app.get_options();
-  const auto input = std::ranges::find_if(
-      options, [](const CLI::Option* option) { return option->get_positional(); });
-  if (input == options.end() || (*input)->results().empty()) return {};
-  const std::string& path = (*input)->results().front();
+  const std::string path = first_input(app);
+  if (path.empty()) return {};
   const DataKind kind = kind_of(path);
-  for (const CLI::Option* option : options) {
+  for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_positional() || is_of(kind, app, *option)) continue;
     // A file that is not there is of no kind.
     if (is_lode_path(path)) LODE_CHECK(check_lode_opens(path));

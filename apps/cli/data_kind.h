@@ -33,8 +33,8 @@ struct HelpFooter {
 /// What a file or folder holds; of one that cannot be read, volume.
 [[nodiscard]] DataKind kind_of(const std::string& path);
 
-/// That of the first argument that is a file, if there is one.
-[[nodiscard]] std::optional<DataKind> kind_of_files(const std::vector<std::string>& arguments);
+/// Of what the command reads first, if that was named and is there.
+[[nodiscard]] std::optional<DataKind> kind_of_input(const CLI::App& app);
 
 /// Takes options that a kind does not have out of a command's help.
 void show_only(DataKind kind, CLI::App& app);

@@ -385,8 +385,12 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   LODE_TRY(wanted.mesh.regions, wanted_regions(job.input, input.dataset.describe(), job.query));
   wanted.surface.regions = wanted.sections.regions = wanted.mesh.regions;
   Surface surface;
-  LODE_TRY(const TetraSurfaceReport report,
-           make_surface(input, job, wanted, surface, session.progress()));
+  const auto made_surface = make_surface(input, job, wanted, surface, session.progress());
+  if (!made_surface && made_surface.error().message.starts_with("patches: "))
+    return naming_option("--patch", job.input, made_surface.error());
+  LODE_TRY(const TetraSurfaceReport report, made_surface);
+  if (job.query.is_boundary && !wanted.mesh.query.isovalues.empty())
+    session.note("--isovalue: with --boundary no surface, but where the boundary is accurate");
   LODE_CHECK(apply_warp(job.query.warp, job.reading, surface));
   const bool is_empty = surface.is_empty();
   LODE_TRY(const Dropped dropped, edit_surface(job, session.threads(), surface));

@@ -153,9 +153,9 @@ int print_help(CLI::App& program, const HelpTopic& asked, const std::vector<Comm
   const std::string& topic = asked.command;
   const std::optional<DataKind> kind = find_data_kind(asked.kind);
   if (!asked.kind.empty() && !kind)
-    return report_error(fmt::format("help: expected {} after {}, got '{}'",
-                                    fmt::join(kDataKinds, ", "), topic, asked.kind),
-                        kUsage, false);
+    return report_error(
+        fmt::format("help: expected volume, mesh or terrain after {}, got '{}'", topic, asked.kind),
+        kUsage, false);
   for (const Command& command : commands)
     if (command.app->get_name() == topic) return explain(command, kind);
   if (!topic.empty()) return report_error(unknown_command(topic, commands), kUsage, false);
@@ -170,7 +170,7 @@ int handle_parse_error(const CLI::ParseError& error, const CLI::App& program,
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
     const auto command = std::ranges::find_if(
         commands, [&](const Command& one) { return one.app->get_name() == arguments[0]; });
-    if (command != commands.end()) return explain(*command, kind_of_files(arguments));
+    if (command != commands.end()) return explain(*command, kind_of_input(*command->app));
     std::ostringstream text;  // --help or --version
     const int exit_code = program.exit(error, text, text);
     return print_output(text.str()) ? exit_code : kFailure;

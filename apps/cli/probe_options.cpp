@@ -101,7 +101,8 @@ void add_probe_options(CLI::App& app, ProbeArguments& arguments) {
       "(default: 0, full resolution)");
   add("--snap", arguments.snap, "D",
       "With --point, --points, or N points of a --line: points that are outside, but no farther "
-      "from a cell than D, get what it has there (default: what rounds coordinates)");
+      "from a cell than D, get what its nearest point has (default: 2^-46 of the largest distance "
+      "from the origin, which rounds coordinates)");
   add("-o,--output", arguments.output, "OUT.csv", "Write the rows to a file, too");
 }
 

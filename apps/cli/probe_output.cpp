@@ -12,6 +12,7 @@ namespace {
 const char* status_of(const ProbedPoint& point) {
   if (point.is_near_boundary) return "near boundary";
   if (!point.is_inside) return "outside";
+  if (point.snapped > 0) return "snapped";
   return point.is_exact ? "exact" : "bounded";
 }
 
@@ -127,6 +128,7 @@ Json point_json(const ProbedPoint& point, const ProbeAnswer& answer) {
   json["point"] = point.point.v;
   json["status"] = status_of(point);
   json.update(value_json(point, point.value, point.error));
+  if (point.snapped > 0) json["snapped"] = point.snapped;
   if (point.is_inside && answer.has_regions) json["region"] = point.region;
   for (std::size_t f = 0; f < point.along.size(); ++f) {
     Json more = value_json(point, point.along[f].value, point.along[f].error);

@@ -167,6 +167,8 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   const std::string& boundary = job.picture.boundary;
   if (!boundary.empty() && boundary != "film" && boundary != "field")
     return fail("--boundary: expected film or field, got '{}'", boundary);
+  if (job.options.color && plan.shown.isovalues.empty())
+    return fail("--color: expected --isovalue with it, whose surfaces have it");
   const std::string& legend = job.picture.legend;
   if (!legend.empty() && legend != "on" && legend != "off")
     return fail("--legend: expected on or off, got '{}'", legend);

@@ -32,10 +32,16 @@ void set_shares(const ExtractionArguments& extraction, const QueryArguments& arg
   set_share(arguments.max_error_outside, field.range_min, field.range_max, query.max_error_outside);
 }
 
+Error naming_option(const char* option, const std::string& path, const Error& error) {
+  const std::size_t colon = error.message.find(": ");
+  const std::string rest = colon == std::string::npos ? error.message : error.message.substr(colon);
+  return fail("{}{}, of {}", option, rest, path);
+}
+
 Result<std::vector<std::int64_t>> wanted_regions(const std::string& path, const TetraInfo& info,
                                                  const QueryArguments& arguments) {
   auto regions = find_regions(info, arguments.regions);
-  if (!regions) return fail("{}: {}", path, regions.error().message);
+  if (!regions) return naming_option("--region", path, regions.error());
   return regions;
 }
 

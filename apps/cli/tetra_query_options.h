@@ -26,6 +26,9 @@ namespace lode::cli {
 void set_shares(const ExtractionArguments& extraction, const QueryArguments& arguments,
                 const TetraFieldInfo& field, Query& query);
 
+/// An error of the library that begins with what it calls an option.
+[[nodiscard]] Error naming_option(const char* option, const std::string& path, const Error& error);
+
 /// Numbers of --region's. `path`: of the mesh, for messages.
 [[nodiscard]] Result<std::vector<std::int64_t>> wanted_regions(const std::string& path,
                                                                const TetraInfo& info,

@@ -138,7 +138,7 @@ TEST_F(cli_render_tetra, is_fine_where_it_is_asked_to_be) {
   EXPECT_GT(cells({"--ball", "1,1,1,1", "--max-error-outside", "0"}), cells({"--ball", "1,1,1,1"}));
   expect_refused({"--boundary", "--half-space", "1,2,3:0,0,0"}, "--half-space: expected a normal");
   expect_refused({"--boundary", "--max-error-outside", "1"}, "--half-space");
-  expect_refused({"--boundary", "--region", "one"}, "regions: expected");
+  expect_refused({"--boundary", "--region", "one"}, "--region: expected");
 }
 
 /// The same of waves on 25^3 points, in a .lode file.

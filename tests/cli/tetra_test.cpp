@@ -353,7 +353,7 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   const std::string surface = scratch_ / "out.ply";
   refused({"extract", input_, surface}, "expected --isovalue or --mesh");
   refused({"extract", input_, surface, "--boundary", "--patch", "5"},
-          "patches: expected none, as the mesh has none, got 5");
+          "--patch: expected none, as the mesh has none, got 5");
   refused({"extract", input_, surface, "--section", "0,0,1:0,0,0"}, "expected a normal");
   refused({"extract", input_, output_, "--mesh", "--section", "0,0,1:0,0,0"}, "expected a normal");
   refused({"extract", input_, surface, "--boundary", "--section", "0,0,1:0,0,1"},

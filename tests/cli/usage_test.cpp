@@ -67,7 +67,7 @@ TEST(cli_usage, explains_what_one_kind_of_data_has) {
   const std::set<std::string> of_meshes = options_in(run_lode({"help", "extract", "mesh"}).out);
   EXPECT_TRUE(of_meshes.contains("--region") && of_meshes.contains("--isovalue"));
   EXPECT_FALSE(of_meshes.contains("--simplify") || of_meshes.contains("--dims"));
-  expect_refusal(run_lode({"help", "extract", "mash"}), 2, {"'mash'", "volume, mesh, terrain"});
+  expect_refusal(run_lode({"help", "extract", "mash"}), 2, {"'mash'", "volume, mesh or terrain"});
 }
 
 TEST(cli_usage, explains_what_a_file_has) {
@@ -78,6 +78,10 @@ TEST(cli_usage, explains_what_a_file_has) {
             run_lode({"help", "extract", "volume"}).out);
   EXPECT_EQ(run_lode({"render", scratch / "m.vtu", "o.png", "--help"}).out,
             run_lode({"help", "render", "mesh"}).out);
+  write_bytes(scratch / "c.json", "{}");
+  EXPECT_EQ(run_lode({"render", "--camera", scratch / "c.json", scratch / "m.vtu", "--help"}).out,
+            run_lode({"help", "render", "mesh"}).out);
+  EXPECT_EQ(run_lode({"render", "--help"}).out, run_lode({"help", "render"}).out);
   EXPECT_EQ(run_lode({"render", scratch / "none.vtu", "--help"}).out,
             run_lode({"help", "render"}).out);
 }

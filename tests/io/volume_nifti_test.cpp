@@ -121,6 +121,25 @@ TEST(nifti_reader, prefers_sform_to_qform_to_bare_spacing) {
   EXPECT_EQ(placed.to_world({{1, 1, 1}}), (Vec3d{{4, 6.5, 9}}));
 }
 
+/// As of (0.6, 0.8, 0), half a turn: its matrix is a rotation, and spacings are the header's.
+TEST(nifti_reader, takes_quaternions_that_are_longer_than_a_unit) {
+  const TempDir dir;
+  const std::string samples(24, 'x');
+  const auto grid_of = [&](float b, float c) {
+    NiftiBytes header({4, 3, 2}, kUint8);
+    header.set<float>(80, 2).set<float>(84, 3).set<float>(88, 4);
+    header.set<std::int16_t>(252, 1).set<float>(256, b).set<float>(260, c).set<float>(264, 0);
+    return info_of(dir.write("a.nii", header.bytes() + samples)).grid;
+  };
+  const RegularGrid unit = grid_of(0.6F, 0.8F);
+  const RegularGrid longer = grid_of(0.9F, 1.2F);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(longer.spacing[i], 2 + static_cast<double>(i), 1e-6);
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(longer.direction.rows[i][k], unit.direction.rows[i][k], 1e-6);
+  }
+}
+
 TEST(nifti_reader, allows_shear_and_refuses_a_singular_matrix) {
   const TempDir dir;
   NiftiBytes header({4, 3, 2}, kUint8);

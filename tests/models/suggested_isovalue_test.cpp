@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/oracles/typed_samples.h"
 
 namespace lode {
@@ -21,7 +23,7 @@ double suggested(const Volume& volume) {
   EXPECT_TRUE(dataset);
   const auto isovalue = suggest_isovalue(*dataset, progress);
   EXPECT_TRUE(isovalue);
-  return *isovalue;
+  return isovalue->value_or(std::nan(""));
 }
 
 /// A ball of about `inside` in about `outside`.
@@ -49,8 +51,13 @@ TEST(suggested_isovalue, lies_between_what_there_is_of_both) {
   EXPECT_LT(small, 1e3);
 }
 
-TEST(suggested_isovalue, is_there_of_any_field) {
-  EXPECT_EQ(suggested(volume_of<float>(cube_of(5), [](const Index3&) { return 7; })), 7);
+TEST(suggested_isovalue, is_there_where_there_are_two_parts) {
+  EXPECT_TRUE(std::isnan(suggested(volume_of<float>(cube_of(5), [](const Index3&) { return 7; }))));
+  RegularGrid line;
+  line.dims = {{9, 1, 1}};
+  EXPECT_TRUE(std::isnan(suggested(volume_of<float>(line, [](const Index3& p) { return p[0]; }))));
+  EXPECT_TRUE(std::isnan(
+      suggested(volume_of<float>(cube_of(5), [](const Index3&) { return std::nan(""); }))));
   const double ramp = suggested(volume_of<float>(cube_of(9), [](const Index3& p) { return p[0]; }));
   EXPECT_NEAR(ramp, 4, 0.1);
   RegularGrid flat;

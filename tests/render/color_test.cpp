@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lode/render/surface_colors.h"
+
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -63,6 +65,22 @@ TEST(color, sequence_rises_in_lightness_and_clamps) {
   EXPECT_EQ(sequential_color(-1), sequential_color(0));
   EXPECT_EQ(sequential_color(2), sequential_color(1));
   EXPECT_EQ(sequential_color(std::numeric_limits<double>::quiet_NaN()), sequential_color(0));
+}
+
+/// As the field is linear between vertices, and not the colours.
+TEST(surface_colors, of_levels_are_those_of_the_ramp_in_between) {
+  const Vec3f black{{0, 0, 0}};
+  const Vec3f red{{1, 0, 0}};
+  const Vec3f blue{{0, 0, 1}};
+  const SurfaceColors colors{.uniform = {{1, 1, 1}},
+                             .per_vertex = {},
+                             .levels = {0, 1, 1, -1, -1, -1},
+                             .ramp = {black, red, blue}};
+  EXPECT_EQ(colors.at({0, 1, 2}, {0.5F, 0.25F, 0.25F}), red);
+  EXPECT_EQ(colors.at({0, 1, 2}, {1, 0, 0}), black);
+  EXPECT_EQ(colors.at({0, 1, 2}, {0, 0, 1}), blue);
+  EXPECT_EQ(colors.at({1, 2, 0}, {0.5F, 0.25F, 0.25F}), (red + blue) * 0.5F);
+  EXPECT_EQ(colors.at({3, 4, 5}, {0.5F, 0.25F, 0.25F}), colors.uniform);
 }
 
 }  // namespace

@@ -44,6 +44,9 @@ TEST(legend, has_round_values_in_its_range) {
         if (i > 0) EXPECT_GT(values[i], values[i - 1]);
       }
     }
+  EXPECT_EQ(round_values(0, 4).size(), 9U);
+  for (const auto& [low, high] : {std::pair{0.0, 5e-324}, {1.0, 1 + 9e-16}, {-1e-310, 1e-310}})
+    for (const double value : round_values(low, high)) EXPECT_TRUE(low <= value && value <= high);
   // Steps that doubles do not tell apart.
   EXPECT_LE(round_values(1e20, 1e20 + 16384).size(), 9U);
 }

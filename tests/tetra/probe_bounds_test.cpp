@@ -141,8 +141,10 @@ TEST(tetra_probe_bounds, snaps_points_to_what_is_near) {
   EXPECT_TRUE(found[0].is_inside && !found[1].is_inside && found[2].is_inside);
   for (const std::size_t i : {0U, 2U}) {
     // Of the nearest point, (0, 0.3, 0.4) or (0.5, 0.5, 1).
+    EXPECT_NEAR(found[i].value.value, i == 0 ? 0.6 : 1.5, 1e-12);
     expect_holds(found[i].value, i == 0 ? 0.6 : 1.5, 0, "value");
-    EXPECT_LT(found[i].value.high - found[i].value.low, 0.3);
+    EXPECT_LT(found[i].value.high - found[i].value.low, 1e-11);
+    EXPECT_NEAR(found[i].snapped, i == 0 ? 0.01 : 0.0199, 1e-12);
   }
   for (const ProbedPoint& point : probed(dataset, points, 0)) EXPECT_FALSE(point.is_inside);
   EXPECT_FALSE(dataset.probe(points, {.snap = -1}, found, progress));

@@ -45,14 +45,30 @@ void add_isosurfaces(const SimplexMesh& mesh, const MeshPictureOptions& options,
   opaque.colors = color_surface(surface, options.render.color, options.render.threads);
 }
 
-/// Adds triangles whose vertices have the colours of their values.
+/// Colours of a field from the least to the largest value.
+std::vector<Vec3f> ramp_of(const MeshPictureOptions& options) {
+  constexpr int kSteps = 4096;
+  std::vector<Vec3f> ramp;
+  ramp.reserve(kSteps + 1);
+  const double width = options.colors.high - options.colors.low;
+  for (int i = 0; i <= kSteps; ++i)
+    ramp.push_back(value_color(options, options.colors.low + width * i / kSteps));
+  return ramp;
+}
+
+/// Adds triangles that have the colours of their values.
 void add_colored(const Surface& part, const MeshPictureOptions& options, OpaqueSurface& opaque) {
   Surface& all = opaque.surface;
-  opaque.colors.per_vertex.resize(all.positions.size(), opaque.colors.uniform);
+  SurfaceColors& colors = opaque.colors;
+  if (colors.ramp.empty()) colors.ramp = ramp_of(options);
+  colors.levels.resize(all.positions.size(), -1);
   const auto first = static_cast<std::uint32_t>(all.positions.size());
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+  const double width = options.colors.high - options.colors.low;
   for (const double value : part.values)
-    opaque.colors.per_vertex.push_back(value_color(options, value));
+    colors.levels.push_back(
+        width > 0 ? static_cast<float>(std::clamp((value - options.colors.low) / width, 0.0, 1.0))
+                  : 0.5F);
   for (const auto& [a, b, c] : part.triangles)
     all.triangles.push_back({first + a, first + b, first + c});
 }
@@ -108,10 +124,10 @@ void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, Opaqu
     if (is_used[v]) all.lines.push_back({first + v, first + v});
 }
 
-/// Of colours by value, where there are some.
-Result<void> add_legend(const MeshPictureOptions& options, Image& image) {
+/// Of colours by value, where there are some; of an empty mesh there are none.
+Result<void> add_legend(const MeshPictureOptions& options, bool is_empty, Image& image) {
   const bool has_colors = options.has_boundary || !options.sections.empty() || options.opacity;
-  if (options.legend.empty() || !has_colors) return {};
+  if (options.legend.empty() || !has_colors || is_empty) return {};
   return draw_legend({.title = options.legend,
                       .low = options.colors.low,
                       .high = options.colors.high,
@@ -168,12 +184,16 @@ Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& optio
   if (options.has_wireframe || options.has_points) add_lines(mesh, options, opaque);
   report.n_lines = opaque.surface.lines.size();
   opaque.surface.isovalues.clear();
+  const std::size_t n_vertices = opaque.surface.positions.size();
+  if (!opaque.colors.levels.empty()) opaque.colors.levels.resize(n_vertices, -1);
+  if (!opaque.colors.per_vertex.empty())
+    opaque.colors.per_vertex.resize(n_vertices, opaque.colors.uniform);
   const TransferFunction clear{{TransferKnot{}}};
   const TransferFunction function = options.opacity.value_or(clear);
   auto image =
       render_volume({volume, function, opaque, options.boundary_opacity}, render, progress);
   if (image)
-    if (const auto legend = add_legend(options, *image); !legend)
+    if (const auto legend = add_legend(options, mesh.is_empty(), *image); !legend)
       report.legend_fault = legend.error().message;
   report.seconds = watch.seconds();
   return image;

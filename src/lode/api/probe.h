@@ -25,8 +25,10 @@ struct ProbeOptions {
   /// Further fields, which the answer has, too: of the same cut, whose tolerance is the field's.
   std::vector<std::size_t> along{};
   /// World units: points that are outside, but no farther from a cell than this, or than what
-  /// rounds coordinates (2^-46 of them), get what the nearest cell has there, and are inside.
+  /// rounds coordinates (kSnapRounding of the farthest corner from the origin), get what the
+  /// nearest point of a cell has.
   double snap = 0;
+  static constexpr double kSnapRounding = 0x1p-46;
   Threads threads{};
 };
 
@@ -44,7 +46,10 @@ struct ProbedPoint {
   /// Outside of the cut, but no farther than its boundary may be off: if F is there, it is in the
   /// value's bounds.
   bool is_near_boundary = false;
-  bool is_exact = false;             ///< F' is F there: bounds are those of rounding.
+  bool is_exact = false;  ///< F' is F there: bounds are those of rounding.
+  /// How far the point is from the cell whose nearest point this is all of, where that is more than
+  /// rounding: ProbeOptions::snap.
+  double snapped = 0;
   BoundedNumber value{};             ///< F' of the cut, and bounds of F.
   double error = 0;                  ///< Stated by the cell: largest |F - F'|, see ErrorPlace.
   std::int64_t region = 0;           ///< Where the data has several.

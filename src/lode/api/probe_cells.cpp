@@ -14,6 +14,11 @@ namespace {
 double next_below(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
 double next_above(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
 
+/// Points that are no farther from a cell than so many roundings of distances are of it.
+constexpr double kRoundings = 4;
+
+constexpr Range kNothing{1, -1};
+
 /// Answers of cells that hold points.
 class PointProbe {
  public:
@@ -28,8 +33,8 @@ class PointProbe {
 
   [[nodiscard]] ProbedPoint at(const Vec3d& p) const {
     if (const auto cell = find_cell(locator_, p, is_exact_)) return in(*cell, p, 0);
-    const auto near = nearest(p);
-    return near ? in(near->cell, p, near->distance) : beyond(p);
+    const auto near = locator_.nearest_within(p, cells_.snap);
+    return near ? snapped_to(*near, p) : beyond(p);
   }
   /// Of a point in the cell that is up to `distance` from p.
   [[nodiscard]] ProbedPoint in(std::uint32_t cell, const Vec3d& p, double distance) const {
@@ -48,30 +53,31 @@ class PointProbe {
   }
 
  private:
-  struct NearCell {
-    std::uint32_t cell;
-    double distance;  ///< At most.
-  };
-  /// The nearest cell that is near enough to be the point's: of several the first.
-  [[nodiscard]] std::optional<NearCell> nearest(const Vec3d& p) const {
-    std::optional<NearCell> found;
-    locator_.visit_near(p, cells_.snap, [&](std::uint32_t cell) {
-      const double distance = locator_.distance_to_faces(cell, p);
-      if (!(distance <= cells_.snap)) return;
-      const bool is_nearer = !found || distance < found->distance ||
-                             (distance == found->distance && cell < found->cell);
-      if (is_nearer) found = {cell, distance};
-    });
-    if (found) found->distance += cells_.rounding;
-    return found;
+  /// Of the cell's nearest point. The reference may reach past the cut, to p and what is beyond.
+  [[nodiscard]] ProbedPoint snapped_to(const NearestCell& near, const Vec3d& p) const {
+    ProbedPoint point = in(near.cell, locator_.nearest_on_faces(near.cell, p), cells_.rounding);
+    point.point = p;
+    if (near.distance <= kRoundings * cells_.rounding) return point;
+    point.snapped = near.distance;
+    const Range hidden = hidden_range(p);
+    if (hidden.is_empty()) return point;
+    point.is_exact = false;
+    point.value.low = std::min(point.value.low, hidden.low);
+    point.value.high = std::max(point.value.high, hidden.high);
+    return point;
+  }
+  /// What F may be at a point beyond the cut, no farther than its boundary may be off.
+  [[nodiscard]] Range hidden_range(const Vec3d& p) const {
+    const double reach = cells_.boundary_deviation;
+    if (!(reach > 0) || !cells_.range_off_cells) return kNothing;
+    const Vec3d off{{reach, reach, reach}};
+    return cells_.range_off_cells({p - off, p + off});
   }
   /// The reference may be there all the same.
   [[nodiscard]] ProbedPoint beyond(const Vec3d& p) const {
     ProbedPoint point{.point = p};
-    const double reach = cells_.boundary_deviation * (1 + 1e-6);
-    if (!(reach > 0) || !cells_.range_off_cells) return point;
-    const Vec3d off{{reach, reach, reach}};
-    const Range range = cells_.range_off_cells({p - off, p + off});
+    const double reach = cells_.boundary_deviation;
+    const Range range = hidden_range(p);
     if (range.is_empty()) return point;
     locator_.visit_near(p, reach, [&](std::uint32_t cell) {
       point.is_near_boundary =

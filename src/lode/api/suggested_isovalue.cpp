@@ -30,8 +30,9 @@ class Histogram {
     }
   }
 
-  /// The end of a part; the middle of all that are as good, as where there is nothing between.
-  [[nodiscard]] double best_threshold() const {
+  /// The end of a part; the middle of all that are as good, as where there is nothing between. None
+  /// where all is in one part.
+  [[nodiscard]] std::optional<double> best_threshold() const {
     double total = 0;
     double sum = 0;
     for (std::size_t i = 0; i < kParts; ++i) {
@@ -54,6 +55,7 @@ class Histogram {
       if (between >= best * (1 - 1e-12)) last = i;
       best = std::max(best, between);
     }
+    if (best < 0) return std::nullopt;
     return low_ + width_ * (0.5 * static_cast<double>(first + last) + 1);
   }
 
@@ -81,10 +83,10 @@ double size_of(const SimplexMesh& mesh, const std::array<std::uint32_t, N>& cell
 
 }  // namespace
 
-Result<double> suggest_isovalue(const Dataset& dataset, Progress& progress) {
+Result<std::optional<double>> suggest_isovalue(const Dataset& dataset, Progress& progress) {
   constexpr std::uint64_t kCells = 100'000;
   const DatasetInfo& info = dataset.describe();
-  if (!(info.range_min < info.range_max)) return info.range_min;
+  if (!(info.range_min < info.range_max)) return std::optional<double>();
   SimplexMesh mesh;
   Query query;
   query.budget = Budget{kCells};
@@ -103,8 +105,9 @@ Result<double> suggest_isovalue(const Dataset& dataset, Progress& progress) {
   };
   add(mesh.tetrahedra);
   add(mesh.triangles);
-  const double best = histogram.best_threshold();
-  return is_whole(info.volume.type) ? std::floor(best) + 0.5 : best;
+  std::optional<double> best = histogram.best_threshold();
+  if (best && is_whole(info.volume.type)) best = std::floor(*best) + 0.5;
+  return best;
 }
 
 }  // namespace lode

@@ -182,13 +182,18 @@ std::vector<std::uint32_t> slots_near(const View& view, const MeetsBox& where) {
   return slots_found;
 }
 
-/// Of distances from cells, and what these are reckoned of.
-double distance_rounding(const TetraInfo& info) {
+/// Of the box, from the origin.
+double farthest_corner(const TetraInfo& info) {
   const Box3d& box = info.bounds;
   Vec3d farthest;
   for (std::size_t i = 0; i < 3; ++i)
     farthest[i] = std::max(std::abs(box.lower[i]), std::abs(box.upper[i]));
-  return 0x1p-48 * length(farthest);
+  return length(farthest);
+}
+
+/// Of distances from cells, and what these are reckoned of.
+double distance_rounding(const TetraInfo& info) {
+  return ProbeOptions::kSnapRounding / 4 * farthest_corner(info);
 }
 
 /// What boundaries of cuts may be off by: as far as was measured, and rounding. Of midpoints what
@@ -249,8 +254,7 @@ template <typename View>
 Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info, const ProbeFocus& focus,
                                          Progress& progress, ProbeReport& report) {
   const std::span<const std::size_t> fields = focus.fields;
-  constexpr double kLeastSnap = 4;
-  const double snap = std::max(focus.snap, kLeastSnap * distance_rounding(info));
+  const double snap = std::max(focus.snap, ProbeOptions::kSnapRounding * farthest_corner(info));
   const MeetsBox where = widened(focus.where, snap);
   typename View::Cut& cut = view.cut();
   Engine<typename View::Cut> engine(cut);

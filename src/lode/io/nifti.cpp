@@ -174,10 +174,22 @@ Result<std::array<std::int64_t, 5>> parse_counts(const std::string& path, const 
   return counts;
 }
 
-/// The standard's method 2: a rotation by a unit quaternion, spacings, and qfac for mirrored z.
+/// The standard's method 2: a rotation by a unit quaternion, spacings, and qfac for mirrored z. Of
+/// half a turn, and where b, c and d are more than a unit, they are scaled to one, as the
+/// standard's own library does.
 GridFrame frame_from_quaternion(const NiftiHeader& h) {
-  const auto [b, c, d, x, y, z] = h.quaternion;
-  const double a = std::sqrt(std::max(0.0, 1 - (b * b + c * c + d * d)));
+  constexpr double kHalfTurn = 1e-7;
+  auto [b, c, d, x, y, z] = h.quaternion;
+  const double square = b * b + c * c + d * d;
+  double a = 0;
+  if (1 - square < kHalfTurn) {
+    const double scale = 1 / std::sqrt(square);
+    b *= scale;
+    c *= scale;
+    d *= scale;
+  } else {
+    a = std::sqrt(1 - square);
+  }
   const double qfac = h.pixdim[0] < 0 ? -1 : 1;
   GridFrame frame;
   frame.origin = {{x, y, z}};

@@ -149,20 +149,33 @@ double CellLocator::distance_to_faces(std::uint32_t cell, const Vec3d& p) const 
 }
 
 double CellLocator::distance_to_nearest(const Vec3d& p) const {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const auto nearest = nearest_within(p, kEndless);
+  return nearest ? nearest->distance : kEndless;
+}
+
+std::optional<NearestCell> CellLocator::nearest_within(const Vec3d& p, double limit) const {
   struct Place {
     double squared;
     std::size_t level;
     std::size_t at;
     bool operator<(const Place& other) const { return squared > other.squared; }
   };
-  double least = std::numeric_limits<double>::infinity();
+  std::optional<NearestCell> nearest;
+  double least = limit;
   std::priority_queue<Place> open;
   if (!order_.empty()) open.push({0, levels_.size() - 1, 0});
-  for (; !open.empty() && open.top().squared < least * least;) {
+  const auto may_be_nearer = [&](double squared) {
+    return nearest ? squared < least * least : squared <= least * least;
+  };
+  for (; !open.empty() && may_be_nearer(open.top().squared);) {
     const Place place = open.top();
     open.pop();
     if (place.level == 0) {
-      least = std::min(least, distance_to_faces(order_[place.at], p));
+      const double distance = distance_to_faces(order_[place.at], p);
+      if (nearest ? !(distance < least) : !(distance <= least)) continue;
+      nearest = {order_[place.at], distance};
+      least = distance;
       continue;
     }
     const std::vector<Box3d>& below = levels_[place.level - 1];
@@ -170,7 +183,39 @@ double CellLocator::distance_to_nearest(const Vec3d& p) const {
     for (std::size_t k = place.at * kBranches; k < end; ++k)
       open.push({squared_distance(below[k], p), place.level - 1, k});
   }
-  return least;
+  return nearest;
+}
+
+Vec3d CellLocator::nearest_on_faces(std::uint32_t cell, const Vec3d& p) const {
+  const std::array<Vec3d, 4> c = corners_of(cell);
+  Vec3d nearest = c[0];
+  double least = std::numeric_limits<double>::infinity();
+  const auto offer = [&](const Vec3d& q) {
+    const double squared = dot(q - p, q - p);
+    if (!(squared < least)) return;
+    least = squared;
+    nearest = q;
+  };
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3d along = c[j] - c[i];
+      const double square = dot(along, along);
+      const double t = square > 0 ? std::clamp(dot(p - c[i], along) / square, 0.0, 1.0) : 0.0;
+      offer(c[i] + along * t);
+    }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3d& a = c[i];
+    const Vec3d u = c[(i + 1) % 4] - a;
+    const Vec3d v = c[(i + 2) % 4] - a;
+    const Vec3d normal = cross(u, v);
+    const double square = dot(normal, normal);
+    if (!(square > 0)) continue;
+    const Vec3d q = p - a;
+    const double s = dot(cross(q, v), normal) / square;
+    const double r = dot(cross(u, q), normal) / square;
+    if (s >= 0 && r >= 0 && s + r <= 1) offer(a + u * s + v * r);
+  }
+  return nearest;
 }
 
 }  // namespace lode

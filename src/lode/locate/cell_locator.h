@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct CellWeights {
   [[nodiscard]] double least() const;
   /// Those of a point of the cell: that itself, or one near where the point is outside.
   [[nodiscard]] std::array<double, 4> clamped() const;
+};
+
+/// A cell, and how far its faces are from a point.
+struct NearestCell {
+  std::uint32_t cell;
+  double distance;
 };
 
 /// Finds the tetrahedra that hold a point, or are near it, whatever their sizes and shapes: a tree
@@ -45,6 +52,10 @@ class CellLocator {
   [[nodiscard]] double distance_to_faces(std::uint32_t cell, const Vec3d& p) const;
   /// The smallest distance_to_faces(); infinite where there are no cells.
   [[nodiscard]] double distance_to_nearest(const Vec3d& p) const;
+  /// The cell that has it, if that is at most `limit`; of several always the same.
+  [[nodiscard]] std::optional<NearestCell> nearest_within(const Vec3d& p, double limit) const;
+  /// The point of a cell's faces that is nearest to p, to rounding.
+  [[nodiscard]] Vec3d nearest_on_faces(std::uint32_t cell, const Vec3d& p) const;
 
  private:
   static constexpr std::size_t kBranches = 4;

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "lode/core/disjoint_sets.h"
+
 namespace lode {
 namespace {
 
@@ -18,30 +20,6 @@ struct EdgeSide {
 std::uint32_t next_corner(std::uint32_t corner) {
   return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
-
-/// Corners that are one vertex are in one set.
-class CornerSets {
- public:
-  explicit CornerSets(std::size_t n) : parents_(n) {
-    for (std::size_t i = 0; i < n; ++i) parents_[i] = static_cast<std::uint32_t>(i);
-  }
-  /// The least corner of a set.
-  [[nodiscard]] std::uint32_t find(std::uint32_t corner) {
-    while (parents_[corner] != corner) {
-      parents_[corner] = parents_[parents_[corner]];
-      corner = parents_[corner];
-    }
-    return corner;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parents_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
 
 std::vector<EdgeSide> sides_of(std::span<const std::array<std::uint32_t, 3>> triangles) {
   std::vector<EdgeSide> sides;
@@ -84,7 +62,8 @@ std::vector<std::uint32_t> split_at_creases(std::span<const Vec3f> positions, do
     return product >= least_cosine || dot(normals[one], normals[one]) == 0 ||
            dot(normals[other], normals[other]) == 0;
   };
-  CornerSets sets(3 * triangles.size());
+  // Corners that are one vertex are in one set.
+  DisjointSets<> sets(3 * triangles.size());
   const std::vector<EdgeSide> sides = sides_of(triangles);
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     const auto is_same = [&](const EdgeSide& side) {
@@ -96,8 +75,8 @@ std::vector<std::uint32_t> split_at_creases(std::span<const Vec3f> positions, do
     const std::uint32_t b = sides[begin + 1].corner;
     const bool is_opposite = triangles[a / 3][a % 3] != triangles[b / 3][b % 3];
     if (!is_opposite || !is_smooth(a / 3, b / 3)) continue;
-    sets.unite(a, next_corner(b));
-    sets.unite(next_corner(a), b);
+    sets.join(a, next_corner(b));
+    sets.join(next_corner(a), b);
   }
   std::vector<std::uint32_t> copies;
   std::vector<bool> is_taken(positions.size());

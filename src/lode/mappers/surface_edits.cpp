@@ -325,6 +325,7 @@ double crop_rounding(const Box3d& box, const Box3d& bounds, const Vec3d& origin)
 }
 
 void crop(Surface& surface, const Box3d& box) {
+  LODE_EXPECTS(surface.triangles.empty() || surface.lines.empty());
   if (surface.is_empty()) return;
   const double rounding = crop_rounding(box, world_bounds(surface), surface.origin);
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "lode/render/lettering.h"
 
@@ -67,6 +68,44 @@ void draw_bar(const Legend& legend, const Layout& at, Color outline, Image& imag
   }
 }
 
+/// With as many digits as tell one from the next.
+std::vector<std::string> texts_of(const std::vector<double>& values) {
+  constexpr int kFewest = 1;
+  constexpr int kMost = 17;
+  const double largest =
+      values.empty() ? 0 : std::max(std::abs(values.front()), std::abs(values.back()));
+  const double step = values.size() > 1 ? values[1] - values[0] : 0;
+  const int digits =
+      step > 0 ? std::clamp(static_cast<int>(std::ceil(std::log10(largest / step) - 1e-9)) + 1,
+                            kFewest, kMost)
+               : 6;
+  // Long numbers whole, as far as they are read.
+  constexpr int kReadable = 7;
+  std::vector<std::string> texts;
+  for (const double value : values)
+    texts.push_back(fmt::format("{:.{}g}", value, std::max(digits, kReadable)));
+  return texts;
+}
+
+/// The text, cut off where it is wider than there is room.
+std::string fitted(const Lettering& letters, std::string text, int room) {
+  if (letters.width(text) <= room) return text;
+  const std::string end = "...";
+  while (!text.empty() && letters.width(text + end) > room) {
+    // Whole characters of UTF-8.
+    while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xC0U) == 0x80)
+      text.pop_back();
+    text.pop_back();
+  }
+  return text + end;
+}
+
+/// In a colour that stands out from what is there.
+void write(const Lettering& letters, const std::string& text, int x, int y, Image& image) {
+  const Color ink = contrast_to(image, x, y - letters.height(), x + letters.width(text), y + 1);
+  letters.write(text, x, y, ink, image);
+}
+
 }  // namespace
 
 std::vector<double> round_values(double low, double high) {
@@ -77,10 +116,12 @@ std::vector<double> round_values(double low, double high) {
   for (const double factor : {2.0, 5.0, 10.0})
     if ((high - low) / step > kMost) step = factor * power;
   std::vector<double> values;
+  if (!(step > 0)) return {low};
+  const double slack = 1e-9 * step;
   const double first = std::ceil(low / step - 1e-9);
   for (int i = 0; i <= static_cast<int>(kMost); ++i)
-    if (const double value = (first + i) * step; value <= high + 1e-9 * step)
-      values.push_back(value == 0 ? 0 : value);
+    if (const double value = (first + i) * step; value >= low - slack && value <= high + slack)
+      if (values.empty() || value > values.back()) values.push_back(value == 0 ? 0 : value);
   return values;
 }
 
@@ -92,15 +133,10 @@ Result<void> draw_legend(const Legend& legend, Image& image) {
   const int letter = letters.height();
   const Layout at = layout_of(image, letter);
   const std::vector<double> values = round_values(legend.low, legend.high);
-  std::vector<std::string> texts;
-  int widest = 0;
-  for (const double value : values) {
-    texts.push_back(fmt::format("{:.6g}", value));
-    widest = std::max(widest, letters.width(texts.back()));
-  }
+  const std::vector<std::string> texts = texts_of(values);
   const int text_right = at.bar_left - 2 * at.gap;
   const Color ink =
-      contrast_to(image, text_right - widest, at.bar_top - 2 * letter, at.bar_right, at.bar_bottom);
+      contrast_to(image, at.bar_left - at.gap, at.bar_top, at.bar_right + at.gap, at.bar_bottom);
   draw_bar(legend, at, ink, image);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double up =
@@ -108,11 +144,11 @@ Result<void> draw_legend(const Legend& legend, Image& image) {
     const int y = at.bar_bottom - static_cast<int>(std::lround(up * (at.bar_bottom - at.bar_top)));
     const int row = std::clamp(y, at.bar_top, at.bar_bottom - 1);
     for (int x = at.bar_left - at.gap; x < at.bar_left; ++x) blend(ink, 1, pixel_of(image, x, row));
-    letters.write(texts[i], text_right - letters.width(texts[i]), y + letter / 2, ink, image);
+    write(letters, texts[i], text_right - letters.width(texts[i]), y + letter / 2, image);
   }
-  const int title = letters.width(legend.title);
-  letters.write(legend.title, std::max(at.bar_right - title, at.gap), at.bar_top - 3 * letter / 2,
-                ink, image);
+  const std::string title = fitted(letters, legend.title, image.width / 2);
+  write(letters, title, std::max(at.bar_right - letters.width(title), at.gap),
+        at.bar_top - 3 * letter / 2, image);
   return {};
 }
 

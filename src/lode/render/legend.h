@@ -26,7 +26,8 @@ inline constexpr int kLeastLegendHeight = 240;
 /// above, in a colour that stands out from what is there. Fails where there is no font.
 [[nodiscard]] Result<void> draw_legend(const Legend& legend, Image& image);
 
-/// Multiples of 1, 2 or 5 times a power of ten from low to high: three to eight; of one value that.
+/// Multiples of 1, 2 or 5 times a power of ten from low to high, three to nine; fewer where doubles
+/// hardly tell the ends apart, and of one value that.
 [[nodiscard]] std::vector<double> round_values(double low, double high);
 
 }  // namespace lode

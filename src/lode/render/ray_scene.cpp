@@ -286,8 +286,8 @@ SceneHit RayScene::Impl::triangle_hit(const RTCRayHit& found, const Vec3f& direc
   for (std::size_t i = 0; i < 3; ++i) {
     hit.position = hit.position + positions_[triangle[i]] * weights[i];
     hit.normal = hit.normal + normals_[triangle[i]] * weights[i];
-    hit.color = hit.color + colors_.at(triangle[i]) * weights[i];
   }
+  hit.color = colors_.at(triangle, weights);
   hit.normal = normalized(hit.normal);
   if (!(dot(hit.normal, hit.normal) > 0.5f)) hit.normal = geometric;  // Zero or NaN normals.
   const float side = dot(hit.normal, geometric) < 0 ? -1.0f : 1.0f;

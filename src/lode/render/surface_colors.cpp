@@ -67,6 +67,19 @@ std::vector<Vec3f> paint_range(const Surface& surface, Threads threads) {
 
 }  // namespace
 
+Vec3f SurfaceColors::at(const std::array<std::uint32_t, 3>& triangle,
+                        const std::array<float, 3>& weights) const {
+  if (levels.empty() || levels[triangle[0]] < 0)
+    return at(triangle[0]) * weights[0] + at(triangle[1]) * weights[1] +
+           at(triangle[2]) * weights[2];
+  float level = 0;
+  for (std::size_t i = 0; i < 3; ++i) level += levels[triangle[i]] * weights[i];
+  const float place = std::clamp(level, 0.0F, 1.0F) * static_cast<float>(ramp.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(place), ramp.size() - 2);
+  const float share = place - static_cast<float>(below);
+  return ramp[below] * (1 - share) + ramp[below + 1] * share;
+}
+
 SurfaceColors color_surface(const Surface& surface, const std::optional<Color>& color,
                             Threads threads) {
   const bool is_lines = surface.triangles.empty();
