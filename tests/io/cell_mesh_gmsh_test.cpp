@@ -493,7 +493,7 @@ TEST(medit_mesh, that_is_wrong_is_refused) {
           {"line 14", "a keyword behind as many tetrahedra as the file says, got '1'"});
   refused("Tetrahedra\n99999999999\n", {"a number of cells"});
   refused("Dimension 2\n", {"3 dimensions"});
-  refused("Vertices\n1\n0 0 nan 0\n", {"finite"});
+  refused("Vertices\n1\n0 0 nan 0\nTetrahedra\n1\n1 2 3 6 7\n", {"finite", "for point 5"});
 }
 
 }  // namespace

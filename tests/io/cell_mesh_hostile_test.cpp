@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/io/tetra_checks.h"
 
 namespace lode::io {
@@ -94,6 +96,29 @@ std::string altered(const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+/// As what other programs blank.
+TEST(hostile_mesh, may_have_points_anywhere_that_no_cell_has) {
+  const TempDir directory;
+  for (const char* number : {"nan", "inf", "1e39"}) {
+    CellMesh mesh = test::empty_cells();
+    mesh.points = {{{0, 0, 0}}, {{3, 5, 7}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+    test::add_cell(mesh, CellType::tetrahedron, {0, 2, 3, 4});
+    mesh.point_fields = {{"t", ScalarType::float32, 1, {1, 2, 3, 4, 5}}};
+    std::string text = test::vtu_of({mesh});
+    const std::size_t at = text.find("3 5 7");
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, 5, std::string("3 ") + number + " 7");
+    auto read = read_cell_mesh(directory.write("x.vtu", text), {});
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_TRUE(std::isfinite(read->points[1][1]));
+    const auto made = to_tetrahedra(std::move(*read), {.fields = {"t"}});
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->report.n_unused_points, 1U);
+    EXPECT_EQ(made->mesh.positions.size(), 4U);
+    EXPECT_EQ(made->mesh.fields[0].values, (std::vector<double>{1, 3, 4, 5}));
+  }
 }
 
 TEST(hostile_mesh, in_text_is_refused_by_what_is_wrong) {

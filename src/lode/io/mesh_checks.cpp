@@ -1,26 +1,61 @@
 #include "lode/io/mesh_checks.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <vector>
 
 #include "lode/io/cell_types.h"
 
 namespace lode::io {
 namespace {
 
+bool is_finite(const Vec3d& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/// By point, whether cells have it for a corner.
+std::vector<bool> find_used(const CellMesh& mesh) {
+  std::vector<bool> is_used(mesh.points.size());
+  for (const std::uint32_t corner : mesh.corners) is_used[corner] = true;
+  for (std::size_t cell = 0; cell + 1 < mesh.face_begins.size(); ++cell) {
+    const std::span<const std::uint32_t> list = mesh.faces_of(cell);
+    for (std::size_t at = 1; at < list.size(); at += list[at] + std::size_t{1})
+      for (std::size_t i = 1; i <= list[at]; ++i) is_used[list[at + i]] = true;
+  }
+  return is_used;
+}
+
+/// Points that no cell has may be anywhere, as what other programs blank is: such a one is put
+/// where another is, and is left out, and counted, with all that are not used.
 Result<void> check_positions(CellMesh& mesh) {
-  mesh.has_narrow_points = true;
-  for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    for (const double x : mesh.points[i].v) {
-      if (!std::isfinite(x))
-        return fail("{}: expected finite positions, got {} {} {} for point {}", mesh.path,
-                    mesh.points[i][0], mesh.points[i][1], mesh.points[i][2], i);
-      // What float32 would overflow to is not equal either.
-      const bool is_narrow = std::abs(x) <= std::numeric_limits<float>::max() &&
-                             static_cast<double>(static_cast<float>(x)) == x;
-      if (!is_narrow) mesh.has_narrow_points = false;
-    }
+  if (std::ranges::all_of(mesh.points, is_finite)) return {};
+  const std::vector<bool> is_used = find_used(mesh);
+  const auto first = std::ranges::find(is_used, true);
+  const Vec3d anywhere = first == is_used.end()
+                             ? Vec3d{}
+                             : mesh.points[static_cast<std::size_t>(first - is_used.begin())];
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    Vec3d& p = mesh.points[i];
+    if (is_finite(p)) continue;
+    if (is_used[i])
+      return fail("{}: expected finite positions, got {} {} {} for point {}", mesh.path, p[0], p[1],
+                  p[2], i);
+    p = anywhere;
+  }
   return {};
+}
+
+/// Whether float32 holds all positions exactly.
+bool has_narrow_points(const CellMesh& mesh) {
+  // What float32 would overflow to is not equal either.
+  const auto is_narrow = [](double x) {
+    return std::abs(x) <= std::numeric_limits<float>::max() &&
+           static_cast<double>(static_cast<float>(x)) == x;
+  };
+  return std::ranges::all_of(mesh.points,
+                             [&](const Vec3d& p) { return std::ranges::all_of(p.v, is_narrow); });
 }
 
 Result<void> check_cell(const CellMesh& mesh, std::size_t cell) {
@@ -90,8 +125,9 @@ Result<void> check_cell_mesh(CellMesh& mesh) {
   if (mesh.points.size() > kMaxMeshCount || mesh.n_cells() > kMaxMeshCount)
     return fail("{}: expected at most {} points and cells, got {} and {}", mesh.path, kMaxMeshCount,
                 mesh.points.size(), mesh.n_cells());
-  LODE_CHECK(check_positions(mesh));
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) LODE_CHECK(check_cell(mesh, cell));
+  LODE_CHECK(check_positions(mesh));
+  mesh.has_narrow_points = has_narrow_points(mesh);
   return {};
 }
 

@@ -24,8 +24,9 @@ inline constexpr std::uint64_t kMaxMeshCount = std::numeric_limits<std::uint32_t
 [[nodiscard]] Result<void> append_faces(std::span<const std::uint64_t> list, std::uint64_t n_points,
                                         CellMesh& mesh);
 
-/// Fails unless positions are finite, types are VTK's, each cell has as many corners as its type
-/// says, and they are points. Sets has_narrow_points.
+/// Fails unless types are VTK's, each cell has as many corners as its type says, and they are
+/// points whose positions are finite; points that no cell has are put where another is if theirs
+/// are not. Sets has_narrow_points.
 [[nodiscard]] Result<void> check_cell_mesh(CellMesh& mesh);
 
 }  // namespace lode::io
