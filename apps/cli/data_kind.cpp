@@ -13,16 +13,15 @@
 namespace lode::cli {
 namespace {
 
-/// Kinds as the bits 1 << DataKind.
-enum Kinds : std::uint8_t {
-  kVolume = 1,
-  kMesh = 2,
-  kCells = kVolume | kMesh,
-  kTerrain = 4,
-  kUnlessMesh = kVolume | kTerrain,
-  kUnlessVolume = kMesh | kTerrain,
-  kAll = 7,
-};
+/// The bits 1 << DataKind.
+using Kinds = unsigned;
+constexpr Kinds kVolume = 1;
+constexpr Kinds kMesh = 2;
+constexpr Kinds kCells = kVolume | kMesh;
+constexpr Kinds kTerrain = 4;
+constexpr Kinds kUnlessMesh = kVolume | kTerrain;
+constexpr Kinds kUnlessVolume = kMesh | kTerrain;
+constexpr Kinds kAll = 7;
 
 /// In sentences, as kDataKinds.
 constexpr std::array<const char*, kDataKinds.size()> kDataKindWords{"a volume", "a mesh of cells",
@@ -30,7 +29,7 @@ constexpr std::array<const char*, kDataKinds.size()> kDataKindWords{"a volume", 
 
 /// What most options of a group are for; of others all kinds have most.
 const std::map<std::string, Kinds>& kinds_of_groups() {
-  static const std::map<std::string, Kinds> kinds{
+  static const std::map<std::string, Kinds> kKinds{
       {"Surface", kVolume},
       {"Simplification", kVolume},
       {"Steps", kVolume},
@@ -45,12 +44,12 @@ const std::map<std::string, Kinds>& kinds_of_groups() {
       {"Lines of terrain", kTerrain},
       {"Terrain", kTerrain},
   };
-  return kinds;
+  return kKinds;
 }
 
 /// Those that are for others than most of their group.
 const std::map<std::string, Kinds>& kinds_of_options() {
-  static const std::map<std::string, Kinds> kinds{
+  static const std::map<std::string, Kinds> kKinds{
       // Surface
       {"isovalue", kCells},
       {"max-error", kAll},
@@ -99,7 +98,7 @@ const std::map<std::string, Kinds>& kinds_of_options() {
       {"simplify", kVolume},
       {"max-distance", kVolume},
   };
-  return kinds;
+  return kKinds;
 }
 
 /// Those that are for others in one command than elsewhere.
@@ -119,7 +118,7 @@ std::optional<Kinds> kinds_in_command(const std::string& command, const std::str
   return {};
 }
 
-unsigned kinds_of(const CLI::App& app, const CLI::Option& option) {
+Kinds kinds_of(const CLI::App& app, const CLI::Option& option) {
   const std::string& name = option.get_lnames().front();
   const auto find = [](const std::map<std::string, Kinds>& kinds, const std::string& key) {
     const auto found = kinds.find(key);
@@ -131,7 +130,7 @@ unsigned kinds_of(const CLI::App& app, const CLI::Option& option) {
   return kinds.value_or(kAll);
 }
 
-bool has(unsigned kinds, std::size_t kind) { return (kinds >> kind & 1U) != 0; }
+bool has(Kinds kinds, std::size_t kind) { return (kinds >> kind & 1U) != 0; }
 
 bool is_of(DataKind kind, const CLI::App& app, const CLI::Option& option) {
   return has(kinds_of(app, option), static_cast<std::size_t>(kind));
@@ -146,7 +145,7 @@ std::string first_input(const CLI::App& app) {
 }
 
 /// "a volume or terrain"
-std::string describe(unsigned kinds) {
+std::string describe(Kinds kinds) {
   std::string text;
   for (std::size_t i = 0; i < kDataKindWords.size(); ++i)
     if (has(kinds, i)) text += (text.empty() ? "" : " or ") + std::string(kDataKindWords.at(i));

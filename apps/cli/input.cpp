@@ -145,7 +145,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   app.add_option(
          "--with", arguments.with,
          "Of a mesh of cells: a further field, which the answer has, too; NAME:x, y or z is "
-         "a scalar of a vector, NAME:xyz all three; may be repeated")
+         "a scalar of a vector, NAME:xyz all three, all: every other field of the points (of the "
+         "cells, where points have none; of a .lode file all it has); may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->group("Reading other formats");

@@ -50,11 +50,20 @@ std::vector<std::string> components_of(const std::string& name) {
   return {vector + ":0", vector + ":1", vector + ":2"};
 }
 
-/// The fields of --with; NAME:xyz is three.
+/// With --with: all others.
+constexpr std::string_view kAllFields = "all";
+
+bool wants_all(const ReadingArguments& reading) {
+  return std::ranges::find(reading.with, kAllFields) != reading.with.end();
+}
+
+/// The fields of --with that are named; NAME:xyz is three.
 std::vector<std::string> names_of_with(const ReadingArguments& reading) {
   std::vector<std::string> names;
   for (const std::string& name : reading.with)
-    if (name.ends_with(kVector))
+    if (name == kAllFields)
+      continue;
+    else if (name.ends_with(kVector))
       for (std::string& component : components_of(name)) names.push_back(std::move(component));
     else
       names.push_back(numbered_component(name));
@@ -162,6 +171,9 @@ Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& r
   std::vector<std::string> names =
       is_vector ? components_of(reading.field) : std::vector{reading.field};
   for (std::string& name : names_of_with(reading)) names.push_back(std::move(name));
+  if (wants_all(reading))
+    for (const TetraFieldInfo& field : info.fields)
+      if (std::ranges::find(names, field.name) == names.end()) names.push_back(field.name);
   LODE_TRY(const std::vector<std::size_t> places, named_fields(info, names, reading.time));
   TetraFieldUse use{.measured = places[0]};
   for (const std::size_t at : places)
@@ -208,6 +220,7 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   for (std::string& name : names_of_with(reading))
     if (std::ranges::find(options.fields, name) == options.fields.end())
       options.fields.push_back(std::move(name));
+  options.has_all = wants_all(reading);
   return options;
 }
 

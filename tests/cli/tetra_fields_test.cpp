@@ -142,6 +142,28 @@ TEST_F(cli_tetra_fields, come_with_meshes_that_are_built_in_memory) {
   EXPECT_EQ(fields_of(out_), (std::vector<std::string>{"noise", "square"}));
 }
 
+TEST_F(cli_tetra_fields, come_all_where_all_are_wanted) {
+  const std::string model = scratch_ / "all.lode";
+  const nlohmann::json built = done({"build", mesh_, model, "--field", "square", "--with", "all"});
+  std::vector<std::string> names;
+  for (const auto& field : built.at("fields")) names.push_back(field.at("name"));
+  EXPECT_EQ(names, (std::vector<std::string>{"square", "noise", "shift:0", "shift:1", "shift:2"}));
+  const std::string out = scratch_ / "all.vtu";
+  const auto fields_of = [&](const std::string& input, const Words& fields) {
+    Words words{"extract", input, out, "--mesh"};
+    words.insert(words.end(), fields.begin(), fields.end());
+    done(words);
+    std::vector<std::string> written;
+    const nlohmann::json info = done({"info", out});
+    for (const auto& field : info.at("point fields")) written.push_back(field.at("name"));
+    return written;
+  };
+  const std::vector<std::string> all{"square", "noise", "shift"};
+  EXPECT_EQ(fields_of(model, {"--with", "all"}), all);
+  EXPECT_EQ(fields_of(mesh_, {"--field", "square", "--with", "all"}), all);
+  EXPECT_EQ(fields_of(model, {}), std::vector<std::string>{"square"});
+}
+
 TEST_F(cli_tetra_fields, deform) {
   const std::string model = scratch_ / "vector.lode";
   done({"build", mesh_, model, "--field", "noise", "--with", "shift:xyz"});

@@ -15,7 +15,7 @@ double next_below(double x) { return std::nextafter(x, -std::numeric_limits<doub
 double next_above(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
 
 /// Points that are no farther from a cell than so many roundings of distances are of it.
-constexpr double kRoundings = 4;
+constexpr double kSnapRoundings = 4;
 
 constexpr Range kNothing{1, -1};
 
@@ -57,7 +57,7 @@ class PointProbe {
   [[nodiscard]] ProbedPoint snapped_to(const NearestCell& near, const Vec3d& p) const {
     ProbedPoint point = in(near.cell, locator_.nearest_on_faces(near.cell, p), cells_.rounding);
     point.point = p;
-    if (near.distance <= kRoundings * cells_.rounding) return point;
+    if (near.distance <= kSnapRoundings * cells_.rounding) return point;
     point.snapped = near.distance;
     const Range hidden = hidden_range(p);
     if (hidden.is_empty()) return point;

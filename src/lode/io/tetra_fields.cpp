@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -87,6 +88,30 @@ Result<std::vector<FieldChoice>> all_choices(const CellMesh& mesh, const TetraOp
                          .component = {},
                          .name = mesh.cell_fields[i].name});
   return choices;
+}
+
+/// What all_choices() has that is not chosen yet, by components where there are three.
+Result<void> add_others(const CellMesh& mesh, const TetraOptions& options,
+                        std::vector<FieldChoice>& choices) {
+  constexpr int kOfVector = 3;
+  LODE_TRY(const std::vector<FieldChoice> all, all_choices(mesh, options));
+  const auto add = [&](FieldChoice choice) {
+    if (std::ranges::find(choices, choice.name, &FieldChoice::name) == choices.end())
+      choices.push_back(std::move(choice));
+  };
+  for (const FieldChoice& choice : all) {
+    if (choice.field->n_components != kOfVector) {
+      add(choice);
+      continue;
+    }
+    for (int k = 0; k < kOfVector; ++k) {
+      FieldChoice component = choice;
+      component.component = k;
+      component.name += ":" + std::to_string(k);
+      add(std::move(component));
+    }
+  }
+  return {};
 }
 
 double magnitude_at(const MeshField& field, std::size_t i) {
@@ -199,6 +224,7 @@ Result<ChosenFields> choose_fields(const CellMesh& mesh, const TetraOptions& opt
         return fail("{}: expected each field once, got {} twice", mesh.path, in_quotes(name));
     choices.push_back(std::move(choice));
   }
+  if (options.has_all && !options.fields.empty()) LODE_CHECK(add_others(mesh, options, choices));
   ChosenFields chosen;
   for (const FieldChoice& choice : choices) {
     chosen.fields.push_back(chosen_field(choice));

@@ -20,6 +20,8 @@ struct TetraOptions {
   /// looked up among the points' fields, then the cells'. None: all of the points, or of the cells
   /// where points have none.
   std::vector<std::string> fields{};
+  /// With fields: all others, too, of vectors with three components these, each a field.
+  bool has_all = false;
   QuadraticCells quadratic = QuadraticCells::split;
   /// Of the cells, of whole numbers, whatever their type. None: the first of Material, MaterialId,
   /// RegionId, ObjectId, ElementBlockId, BlockId, ZoneId, gmsh:physical and medit:ref, in any case,
