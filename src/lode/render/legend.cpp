@@ -82,6 +82,7 @@ std::vector<std::string> texts_of(const std::vector<double>& values) {
   // Long numbers whole, as far as they are read.
   constexpr int kReadable = 7;
   std::vector<std::string> texts;
+  texts.reserve(values.size());
   for (const double value : values)
     texts.push_back(fmt::format("{:.{}g}", value, std::max(digits, kReadable)));
   return texts;
