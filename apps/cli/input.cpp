@@ -89,7 +89,7 @@ Error no_isovalue(const std::string& path, const ReadingArguments& reading) {
 }
 
 Result<void> expect_no_mesh(const std::string& path) {
-  if (is_cells_path(path))
+  if (is_cells_path(path) || (is_lode_path(path) && holds_tetrahedra(path)))
     return fail(
         "{}: expected a regular volume, got a mesh of cells, which this command does not take",
         path);
@@ -234,6 +234,7 @@ Result<Input> open_input(Session& session, const std::string& path,
   const Stopwatch watch;
   LODE_TRY(const ReadOptions options, to_read_options(arguments, session.threads()));
   const bool is_foreign = !is_lode_path(path);
+  if (!is_foreign) LODE_CHECK(expect_no_mesh(path));
   auto dataset = is_foreign          ? build_in_memory(session, path, options, accept)
                  : arguments.salvage ? Dataset::salvage(path, session.threads(), session.progress())
                                      : Dataset::open(path, session.threads());

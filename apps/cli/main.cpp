@@ -98,6 +98,20 @@ std::string empty_option(const std::vector<std::string>& arguments, const CLI::A
   return {};
 }
 
+/// The first value that a flag may have with =, and was given without.
+std::string detached_value(const std::vector<std::string>& arguments, const CLI::App& app) {
+  for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
+    const CLI::Option* const option = app.get_option_no_throw(arguments[i]);
+    const bool has_optional = option != nullptr && !option->get_positional() &&
+                              option->get_expected_max() == 0 &&
+                              option->get_name(false, true).find('{') != std::string::npos;
+    if (has_optional && !arguments[i + 1].starts_with('-'))
+      return fmt::format("{0}: expected its value as {0}={1}, got '{0} {1}'", arguments[i],
+                         arguments[i + 1]);
+  }
+  return {};
+}
+
 /// CLI11's sentences may have several lines; ours have one.
 std::string one_line(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
@@ -178,6 +192,7 @@ int handle_parse_error(const CLI::ParseError& error, const CLI::App& program,
   for (const Command& command : commands) {
     if (arguments.empty() || command.app->get_name() != arguments[0]) continue;
     std::string message = unknown_option(arguments, *command.app);
+    if (message.empty()) message = detached_value(arguments, *command.app);
     if (message.empty()) message = empty_option(arguments, *command.app);
     return report_error(message.empty() ? fmt::format("{}: {} (see lode {} --help)", arguments[0],
                                                       one_line(error.what()), arguments[0])

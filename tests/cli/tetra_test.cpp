@@ -386,6 +386,9 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
   refused({"count", input_, "--isovalue", "3"}, "which this command does not take");
+  const std::string model = scratch_ / "model.lode";
+  ASSERT_EQ(run_lode({"build", input_, model}).exit_code, 0);
+  refused({"count", model, "--isovalue", "3"}, "got a mesh of cells");
   refused({"build", input_, scratch_ / "out.lode", "--memory-limit", "much"}, "--memory-limit");
   refused({"build", input_, scratch_ / "out.vtu"}, "expected an output that ends in .lode");
   refused({"build", input_, scratch_ / "out.lode", "--base-cells", "few"}, "--base-cells");

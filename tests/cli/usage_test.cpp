@@ -138,6 +138,14 @@ TEST(cli_usage, guesses_what_a_misspelt_option_meant) {
                  {"'--isovlaue'", "did you mean '--isovalue'?"});
 }
 
+TEST(cli_usage, says_which_values_need_an_equals_sign) {
+  expect_refusal(
+      run_lode({"extract", "a.nrrd", "b.ply", "--isovalue", "3", "--keep-topology", "5"}), 2,
+      {"--keep-topology=5"});
+  expect_refusal(run_lode({"render", "a.vtu", "b.png", "--boundary", "field"}), 2,
+                 {"--boundary=field"});
+}
+
 TEST(cli_usage, guesses_what_a_misspelt_extension_meant) {
   expect_refusal(run_lode({"extract", "a.lode", "b.pyl", "--isovalue", "3"}), 2,
                  {"b.pyl", "did you mean .ply?"});
