@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "lode/api/files.h"
@@ -30,8 +31,8 @@ class cli_mesh_fields : public testing::Test {
   Scratch scratch_;
 };
 
-/// A mesh without steps or a time.
-std::string write_still(const std::string& path) {
+/// A mesh without steps, and with a time or none.
+std::string write_still(const std::string& path, std::optional<double> time = {}) {
   const TetraMesh noise = oracles::noise_mesh(5, oracles::Cut::in_six, 5);
   SimplexMesh mesh;
   mesh.positions = noise.positions;
@@ -39,7 +40,7 @@ std::string write_still(const std::string& path) {
   mesh.tetrahedra = noise.tetrahedra;
   mesh.errors.assign(mesh.tetrahedra.size(), 0);
   Progress progress;
-  EXPECT_TRUE(write_mesh(path, mesh, {.value_name = "noise"}, progress));
+  EXPECT_TRUE(write_mesh(path, mesh, {.value_name = "noise", .time = time}, progress));
   return path;
 }
 
@@ -72,16 +73,8 @@ void write_gmsh_steps(const std::string& path) {
 
 /// Without a time it would come before the steps that have one, and be the answer.
 TEST_F(cli_mesh_fields, that_have_steps_get_no_step_without_a_time) {
-  const TetraMesh noise = oracles::noise_mesh(5, oracles::Cut::in_six, 5);
   const auto write = [&](const std::string& name, std::optional<double> time) {
-    SimplexMesh mesh;
-    mesh.positions = noise.positions;
-    mesh.values = noise.fields[0].values;
-    mesh.tetrahedra = noise.tetrahedra;
-    mesh.errors.assign(mesh.tetrahedra.size(), 0);
-    Progress progress;
-    EXPECT_TRUE(write_mesh(scratch_ / name, mesh, {.value_name = "noise", .time = time}, progress));
-    return scratch_ / name;
+    return write_still(scratch_ / name, time);
   };
   const std::string first = write("first.vtu", 0.25);
   const std::string model = scratch_ / "model.lode";
