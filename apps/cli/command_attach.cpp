@@ -95,9 +95,14 @@ Result<std::set<std::string>> timed_fields(const std::string& path) {
 }
 
 /// A step of a field that has others takes the time that its file says, if it is told none.
-Result<std::optional<double>> time_of(const StepToRead& step, const TetrahedraOutcome& made,
+Result<std::optional<double>> time_of(const StepToRead& step, std::size_t n_steps,
+                                      const TetrahedraOutcome& made,
                                       const std::set<std::string>& timed) {
   if (step.time) return step.time;
+  if (step.has_own_time && !made.report.time)
+    return fail(
+        "--at: expected the times of {} steps as T,T,..., as {} does not say its own, got none",
+        n_steps, step.path);
   const auto other = std::ranges::find_if(
       made.mesh.fields, [&](const MeshField& field) { return timed.contains(field.name); });
   if (!step.has_own_time && other == made.mesh.fields.end()) return std::optional<double>();
@@ -118,11 +123,7 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
     const StepToRead& step = steps[at++];
     LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(step.path, step.reading, session));
     const std::string& solution = step.reading.solution;
-    if (step.has_own_time && !made.report.time)
-      return fail(
-          "--at: expected the times of {} steps as T,T,..., as {} does not say its own, got none",
-          steps.size(), step.path);
-    LODE_TRY(const std::optional<double> time, time_of(step, made, timed));
+    LODE_TRY(const std::optional<double> time, time_of(step, steps.size(), made, timed));
     return std::optional(TetraStep{std::move(made.mesh), time,
                                    solution.empty() ? step.path : step.path + ", " + solution});
   };

@@ -214,11 +214,8 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
 std::string extraction_text(const Extraction& extraction) {
   const ExtractReport& report = extraction.totals.report;
   const bool is_lines = extraction.is_lines();
-  std::string isovalues;
-  for (const double isovalue : extraction.options.isovalues)
-    isovalues += (isovalues.empty() ? "" : "; ") + format_number(isovalue);
   Table table;
-  table.add({extraction.options.isovalues.size() == 1 ? "isovalue" : "isovalues", isovalues});
+  add_isovalues(extraction.options.isovalues, table);
   table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
   const char* const when = report.simplified ? ", before it was simplified" : "";
   table.add({"achieved error", format_number(report.achieved_error) + when});

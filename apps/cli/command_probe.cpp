@@ -60,8 +60,7 @@ void warn_of_inverted_cells(Session& session, const TetraInput& input, const Pro
     session.warn(fmt::format(
         "the mesh has {} inverted cells, folded over others: they count with the opposite sign, so "
         "volumes are of what the boundary encloses; bounds of the integral leave out that the "
-        "field "
-        "has several values there",
+        "field has several values there",
         n));
 }
 

@@ -176,10 +176,7 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
   outcome.json = rendering_json(arguments, options, input, rendering);
   outcome.json["warnings"] = warnings;
   Table table;
-  std::string isovalues;
-  for (const double isovalue : options.isovalues)
-    isovalues += (isovalues.empty() ? "" : "; ") + format_number(isovalue);
-  table.add({options.isovalues.size() == 1 ? "isovalue" : "isovalues", isovalues});
+  add_isovalues(options.isovalues, table);
   table.add({"max error", describe_tolerance(options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   const bool is_lines = input.info.model == "diamond2d";

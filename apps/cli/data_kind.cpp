@@ -144,6 +144,11 @@ std::string first_input(const CLI::App& app) {
   return {};
 }
 
+DataKind kind_of(const std::string& path) {
+  if (holds_tiles(path) || holds_terrain(path)) return DataKind::terrain;
+  return holds_cells(path) ? DataKind::mesh : DataKind::volume;
+}
+
 /// "a volume or terrain"
 std::string describe(Kinds kinds) {
   std::string text;
@@ -177,11 +182,6 @@ std::optional<DataKind> find_data_kind(std::string_view name) {
   return static_cast<DataKind>(found - kDataKinds.begin());
 }
 
-DataKind kind_of(const std::string& path) {
-  if (holds_tiles(path) || holds_terrain(path)) return DataKind::terrain;
-  return holds_cells(path) ? DataKind::mesh : DataKind::volume;
-}
-
 std::optional<DataKind> kind_of_input(const CLI::App& app) {
   const std::string path = first_input(app);
   std::error_code error;
@@ -199,9 +199,13 @@ void show_only(DataKind kind, CLI::App& app) {
 Result<void> check_options(const CLI::App& app) {
   const std::string path = first_input(app);
   if (path.empty()) return {};
-  const DataKind kind = kind_of(path);
+  std::optional<DataKind> found;  // The file is looked at if an option asks for it.
   for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || option->get_positional() || is_of(kind, app, *option)) continue;
+    if (option->count() == 0 || option->get_positional() || kinds_of(app, *option) == kAll)
+      continue;
+    if (!found) found = kind_of(path);
+    const DataKind kind = *found;
+    if (is_of(kind, app, *option)) continue;
     // A file that is not there is of no kind.
     if (is_lode_path(path)) LODE_CHECK(check_lode_opens(path));
     return fail("--{}: expected {}, got {}: {} (see lode help {} {})", option->get_lnames().front(),

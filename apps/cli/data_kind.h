@@ -30,10 +30,8 @@ struct HelpFooter {
 
 [[nodiscard]] std::optional<DataKind> find_data_kind(std::string_view name);
 
-/// What a file or folder holds; of one that cannot be read, volume.
-[[nodiscard]] DataKind kind_of(const std::string& path);
-
-/// Of what the command reads first, if that was named and is there.
+/// What the command reads first holds, if that was named and is there; of what cannot be read,
+/// volume.
 [[nodiscard]] std::optional<DataKind> kind_of_input(const CLI::App& app);
 
 /// Takes options that a kind does not have out of a command's help.

@@ -169,7 +169,7 @@ ExtractionArguments without_edits(ExtractionArguments extraction) {
   return extraction;
 }
 
-/// Crops a surface, drops small pieces of it and turns it round, as was asked for; what is left.
+/// Crops a surface, drops small pieces of it and turns it round, as was asked for; what goes.
 Result<Dropped> edit_surface(const MeshJob& job, Threads threads, Surface& surface) {
   LODE_TRY(ExtractOptions edits, to_extract_options(job.extraction));
   edits.threads = threads;

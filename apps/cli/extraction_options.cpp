@@ -39,8 +39,7 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
   const char* group = "Surface";
   app.add_option("--isovalue", arguments.isovalues,
                  "Value of the surface; may be repeated (default of a picture of a volume: one "
-                 "that parts the "
-                 "values best)")
+                 "that parts the values best)")
       ->type_name("V")
       ->allow_extra_args(false)
       ->group(group);
@@ -135,6 +134,13 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
     options.min_component = static_cast<std::uint64_t>(n);
   }
   return options;
+}
+
+void add_isovalues(const std::vector<double>& isovalues, Table& table) {
+  std::string texts;
+  for (const double isovalue : isovalues)
+    texts += (texts.empty() ? "" : "; ") + format_number(isovalue);
+  table.add({isovalues.size() == 1 ? "isovalue" : "isovalues", texts});
 }
 
 std::string describe_tolerance(const ExtractOptions& options, double max_error) {

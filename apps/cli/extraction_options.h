@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command.h"
+#include "text.h"
 
 namespace lode::cli {
 
@@ -27,6 +28,9 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 /// Checks the arguments; an empty list of isovalues is left to the caller. Threads are not set,
 /// nor, before set_share(), a max_error that is a share of the field's range.
 [[nodiscard]] Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments);
+
+/// The row of isovalues.
+void add_isovalues(const std::vector<double>& isovalues, Table& table);
 
 /// "10 (as asked)" or "1.275 (default: 0.5 % of the value range)".
 [[nodiscard]] std::string describe_tolerance(const ExtractOptions& options, double max_error);

@@ -147,8 +147,7 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
       ->group("Meshes of cells");
   add("--legend", arguments.legend, "on|off",
       "A bar of the colours of the field, with values (default: on, in pictures of at least "
-      "320x240 "
-      "that have such colours)");
+      "320x240 that have such colours)");
   add_flag("--wireframe", arguments.has_wireframe, "Show all edges of the mesh");
   add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
   add_focus_options(app, arguments.query);

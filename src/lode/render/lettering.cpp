@@ -91,7 +91,9 @@ Lettering& Lettering::operator=(Lettering&&) noexcept = default;
 Lettering::~Lettering() = default;
 
 Result<Lettering> Lettering::open(int size) {
-  const std::string path = font_path();
+  // Reading what fonts there are takes longer than a legend, and films have one a frame.
+  static const std::string kPath = font_path();
+  const std::string& path = kPath;
   if (path.empty()) return fail(kNoFont);
   auto impl = std::make_unique<Impl>();
   if (FT_Init_FreeType(&impl->library) != 0) return fail("letters: FreeType does not start");
