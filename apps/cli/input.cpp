@@ -166,7 +166,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   add("--weld-values", arguments.weld_values, "V",
       "... where all fields differ by no more than this (default: 0); others stay apart");
   add("--linearise", arguments.linearise, "corners",
-      "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
+      "Of a mesh of cells: those of higher order become the linear ones of their corners; else "
+      "quadratic ones are split between all of their nodes, as eight tetrahedra of one");
   add("--region-field", arguments.region_field, "NAME",
       "Of a mesh of cells: the field of its cells whose whole numbers are regions (default: the "
       "first of Material, MaterialId, RegionId, BlockId and the like); RegionId: the blocks, with "

@@ -18,7 +18,7 @@ struct CountName {
 };
 
 constexpr const char* kInverted = "inverted";
-constexpr std::array<CountName, 17> kCounts{
+constexpr std::array<CountName, 18> kCounts{
     {{"ghost_cells", "ghost cells left out", &TetraReport::n_ghost_cells},
      {"hidden_cells", "hidden cells left out", &TetraReport::n_hidden_cells},
      {"lower_cells", "points, lines and faces left out", &TetraReport::n_lower_cells},
@@ -29,7 +29,8 @@ constexpr std::array<CountName, 17> kCounts{
      {"weld_refusals", "not welded, as values differ", &TetraReport::n_weld_refusals},
      {"unused_points", "unused points left out", &TetraReport::n_unused_points},
      {"coincident_points", "points at another's place", &TetraReport::n_coincident_points},
-     {"new_points", "centres of polyhedra", &TetraReport::n_new_points},
+     {"new_points", "points within polyhedra and quadratic cells", &TetraReport::n_new_points},
+     {"reordered", "quadratic cells put in VTK's order", &TetraReport::n_reordered},
      {"repeating", "cells with a corner twice left out", &TetraReport::n_repeating},
      {"zero_volume", "cells without volume", &TetraReport::n_zero_volume},
      {"left_handed", "left-handed cells turned", &TetraReport::n_left_handed},

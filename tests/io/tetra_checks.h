@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -36,6 +37,25 @@ inline double total_volume(const TetraMesh& mesh) {
   double sum = 0;
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) sum += volume_of(mesh, i);
   return sum;
+}
+
+/// Whether a face lies in a side of the cube [0, n]^3, mirrored or not.
+inline bool is_in_hull(const TetraMesh& mesh, const FaceKey& face, double n) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double side : {0.0, n})
+      if (std::all_of(face.begin(), face.end(), [&](std::uint32_t vertex) {
+            return std::abs(mesh.positions[vertex][axis]) == side;
+          }))
+        return true;
+  return false;
+}
+
+/// Inner faces have two tetrahedra, those in the hull one, and the volume is the cube's.
+inline void expect_conforming(const TetraMesh& mesh, int n) {
+  for (const auto& [face, count] : count_faces(mesh))
+    ASSERT_EQ(count, is_in_hull(mesh, face, n) ? 1 : 2);
+  // Each of some thousand volumes of at most n^3 is off by some units in the last place.
+  EXPECT_NEAR(total_volume(mesh), std::pow(n, 3), 1e-10);
 }
 
 /// What must become of a mesh that can be made tetrahedra.

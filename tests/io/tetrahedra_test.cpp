@@ -51,12 +51,15 @@ TEST(tetrahedra, leave_out_what_has_no_volume_and_unused_points) {
 TEST(tetrahedra, refuse_other_cells_by_type_and_number) {
   CellMesh mesh = corner_mesh();
   mesh.points.resize(20);
-  for (int i = 0; i < 2; ++i)
-    add_cell(mesh, static_cast<CellType>(25),
-             {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19});
+  const std::vector<std::uint32_t> twenty = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
+                                             10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+  for (int i = 0; i < 2; ++i) add_cell(mesh, CellType::lagrange_tetrahedron, twenty);
   add_cell(mesh, static_cast<CellType>(15), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
-  expect_no_tetrahedra(mesh,
-                       {"1 of type 15 (pentagonal prism), 2 of type 25 (quadratic hexahedron)"});
+  expect_no_tetrahedra(
+      mesh, {"1 of type 15 (pentagonal prism), 2 of type 71 (Lagrange tetrahedron): 2 of "
+             "them have a linear cell's corners, which --linearise corners takes"});
+  expect_no_tetrahedra(mesh, {"got 1 of type 15 (pentagonal prism)"},
+                       {.quadratic = QuadraticCells::corners});
   CellMesh flat = test::empty_cells();
   flat.points.resize(3);
   add_cell(flat, CellType::triangle, {0, 1, 2});
@@ -257,40 +260,6 @@ TEST(hexahedra, that_collapse_when_welded_stay_conforming) {
   EXPECT_GT(outcome.report.n_repeating, 0U);
   EXPECT_NEAR(test::total_volume(outcome.mesh), volume, 1e-13);
   for (const auto& [face, count] : test::count_faces(outcome.mesh)) ASSERT_LE(count, 2);
-}
-
-CellMesh quadratic_mesh() {
-  CellMesh mesh = test::empty_cells();
-  mesh.points = {{{0, 0, 0}},   {{1, 0, 0}},  {{0, 1, 0}}, {{0, 0, 2}},  {{.5, 0, 0}},
-                 {{.5, .5, 0}}, {{0, .5, 0}}, {{0, 0, 1}}, {{.5, 0, 1}}, {{0, .5, 1}}};
-  add_cell(mesh, CellType::quadratic_tetrahedron, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
-  return mesh;
-}
-
-TEST(quadratic_tetrahedron, becomes_eight_round_its_shortest_diagonal) {
-  const TetrahedraOutcome outcome = tetrahedra_of(quadratic_mesh());
-  ASSERT_EQ(outcome.mesh.tetrahedra.size(), 8U);
-  for (std::size_t i = 0; i < 8; ++i)
-    EXPECT_NEAR(test::volume_of(outcome.mesh, i), 2.0 / 6 / 8, 1e-15);
-  EXPECT_EQ(outcome.report.n_boundary_faces, 16U);
-  // All three diagonals are as long here; 4 and 9 are those of the smallest point.
-  for (std::size_t i = 4; i < 8; ++i) {
-    EXPECT_EQ(outcome.mesh.tetrahedra[i][0], 4U);
-    EXPECT_EQ(outcome.mesh.tetrahedra[i][1], 9U);
-  }
-  CellMesh bent = quadratic_mesh();
-  bent.points[8] = {{.4, .05, 1}};
-  EXPECT_EQ(tetrahedra_of(bent).mesh.tetrahedra[4][1], 8U);
-}
-
-TEST(quadratic_tetrahedron, becomes_that_of_its_corners_when_asked) {
-  const TetrahedraOutcome outcome =
-      tetrahedra_of(quadratic_mesh(), {.quadratic = QuadraticCells::corners});
-  EXPECT_EQ(outcome.mesh.tetrahedra.size(), 1U);
-  EXPECT_EQ(outcome.report.n_unused_points, 6U);
-  CellMesh mixed = quadratic_mesh();
-  add_cell(mixed, CellType::tetrahedron, {0, 1, 2, 3});
-  expect_no_tetrahedra(mixed, {"quadratic", "1 other cells"});
 }
 
 }  // namespace

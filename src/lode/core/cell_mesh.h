@@ -38,7 +38,16 @@ enum class CellType : std::uint8_t {
   wedge = 13,
   pyramid = 14,
   quadratic_tetrahedron = 24,
+  quadratic_hexahedron = 25,
+  quadratic_wedge = 26,
+  quadratic_pyramid = 27,
+  triquadratic_hexahedron = 29,
+  biquadratic_wedge = 32,
   polyhedron = 42,
+  lagrange_tetrahedron = 71,
+  lagrange_hexahedron = 72,
+  lagrange_wedge = 73,
+  lagrange_pyramid = 74,
 };
 
 /// An unstructured mesh as a file has it.

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "lode/io/mesh_checks.h"
 #include "lode/io/mesh_gmsh_input.h"
@@ -11,44 +13,67 @@ namespace {
 
 /// A type of elements, by its number in .msh files.
 struct GmshKind {
-  std::uint8_t vtk_type = 0;  ///< 0: there is none, and elements are only counted.
+  std::uint8_t vtk_type = 0;
   std::uint8_t n_nodes = 0;
 };
 
-/// Types 1 to 31; with the two below all that Gmsh's manual lists. Beyond the simple ones only
-/// tetrahedra of 10 nodes have their order put right: the others serve to be counted or refused by
-/// what makes tetrahedra.
+/// Types 1 to 31; with the two below all that Gmsh's manual lists. Those of third order and more
+/// are Lagrange cells here, whose corners come first as in VTK; the order of the others is not put
+/// right, as only corners are ever used of them.
 constexpr std::array<GmshKind, 31> kGmshKinds = {
-    {{3, 2},   {5, 3},   {9, 4},   {10, 4},  {12, 8},  {13, 6}, {14, 5}, {21, 3},
-     {22, 6},  {28, 9},  {24, 10}, {29, 27}, {32, 18}, {0, 14}, {1, 1},  {23, 8},
-     {25, 20}, {26, 15}, {27, 13}, {0, 9},   {0, 10},  {0, 12}, {0, 15}, {0, 15},
-     {0, 21},  {0, 4},   {0, 5},   {0, 6},   {0, 20},  {0, 35}, {0, 56}}};
+    {{3, 2},   {5, 3},   {9, 4},   {10, 4},  {12, 8},  {13, 6},  {14, 5},  {21, 3},
+     {22, 6},  {28, 9},  {24, 10}, {29, 27}, {32, 18}, {74, 14}, {1, 1},   {23, 8},
+     {25, 20}, {26, 15}, {27, 13}, {69, 9},  {69, 10}, {69, 12}, {69, 15}, {69, 15},
+     {69, 21}, {68, 4},  {68, 5},  {68, 6},  {71, 20}, {71, 35}, {71, 56}}};
 constexpr std::int64_t kHexahedronOf64 = 92;
 constexpr std::int64_t kHexahedronOf125 = 93;
 
 std::optional<GmshKind> kind_of(std::int64_t number) {
   if (number >= 1 && std::cmp_less_equal(number, kGmshKinds.size()))
     return kGmshKinds[static_cast<std::size_t>(number - 1)];
-  if (number == kHexahedronOf64) return GmshKind{0, 64};
-  if (number == kHexahedronOf125) return GmshKind{0, 125};
+  if (number == kHexahedronOf64) return GmshKind{72, 64};
+  if (number == kHexahedronOf125) return GmshKind{72, 125};
   return {};
 }
 
-/// With all that came and cannot be read, and what came last.
-Error refused_types(const GmshInput& input, const std::string& last) {
-  std::vector<std::string> counts;
-  for (const auto& [number, n] : input.refused_types)
-    counts.push_back(fmt::format("{} of type {}", n, number));
-  if (!last.empty()) counts.push_back(last);
-  return fail("{}: expected elements of Gmsh's types 1 to 13 or 15 to 19, got {}",
-              input.text.path(), fmt::join(counts, ", "));
+/// Where VTK has a node among those of a quadratic element, by its place in Gmsh's: middles of
+/// edges are in another order there, and of faces.
+constexpr std::array<std::uint8_t, 10> kTetrahedronOrder = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
+constexpr std::array<std::uint8_t, 27> kHexahedronOrder = {0,  1,  2,  3,  4,  5,  6,  7,  8,
+                                                           11, 13, 9,  16, 18, 19, 17, 10, 12,
+                                                           14, 15, 22, 23, 21, 24, 20, 25, 26};
+constexpr std::array<std::uint8_t, 18> kWedgeOrder = {0,  1,  2,  3, 4,  5,  6,  9,  7,
+                                                      12, 14, 13, 8, 10, 11, 15, 17, 16};
+constexpr std::array<std::uint8_t, 14> kPyramidOrder = {0,  1, 2, 3, 4,  5,  8,
+                                                        10, 6, 7, 9, 11, 12, 13};
+
+/// Those of fewer nodes are ordered as those of the most begin.
+std::span<const std::uint8_t> order_of(const GmshKind& kind) {
+  switch (static_cast<CellType>(kind.vtk_type)) {
+    case CellType::quadratic_tetrahedron: return kTetrahedronOrder;
+    case CellType::quadratic_hexahedron:
+    case CellType::triquadratic_hexahedron: return kHexahedronOrder;
+    case CellType::quadratic_wedge:
+    case CellType::biquadratic_wedge: return kWedgeOrder;
+    case CellType::quadratic_pyramid:
+    case CellType::lagrange_pyramid: return kPyramidOrder;
+    default: return {};
+  }
+}
+
+void put_in_order(const GmshKind& kind, std::span<std::uint32_t> nodes) {
+  const std::span<const std::uint8_t> order = order_of(kind);
+  if (order.empty()) return;
+  const std::vector<std::uint32_t> given(nodes.begin(), nodes.end());
+  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = given[order[i]];
 }
 
 /// Of the next n elements. Fails on a type whose number of nodes is unknown: nothing behind can be
 /// read.
 Result<GmshKind> expect_kind(std::int64_t number, std::int64_t n, const GmshInput& input) {
   if (const auto kind = kind_of(number)) return *kind;
-  return refused_types(input, fmt::format("at least {} of type {}", n, number));
+  return fail("{}: expected elements of Gmsh's types 1 to 31, 92 or 93, got at least {} of type {}",
+              input.text.path(), n, number);
 }
 
 /// An element's type, its tag and its first physical group.
@@ -58,18 +83,7 @@ struct GmshElement {
   std::int64_t group = 0;
 };
 
-Result<void> pass_over_nodes(std::size_t n, GmshInput& input) {
-  for (std::size_t i = 0; i < n; ++i) {
-    LODE_TRY([[maybe_unused]] const std::int64_t node, input.large("a node of an element"));
-  }
-  return {};
-}
-
 Result<void> add_element(const GmshElement& element, const GmshKind& kind, GmshInput& input) {
-  if (kind.vtk_type == 0) {
-    ++input.refused_types[element.type];
-    return pass_over_nodes(kind.n_nodes, input);
-  }
   CellMesh& mesh = input.mesh;
   const auto key = static_cast<std::uint64_t>(element.tag);
   if (mesh.n_cells() > kMaxMeshCount)
@@ -85,8 +99,7 @@ Result<void> add_element(const GmshElement& element, const GmshKind& kind, GmshI
                   element.tag, node);
     mesh.corners.push_back(point);
   }
-  if (kind.vtk_type == static_cast<std::uint8_t>(CellType::quadratic_tetrahedron))
-    std::swap(mesh.corners[mesh.corners.size() - 1], mesh.corners[mesh.corners.size() - 2]);
+  put_in_order(kind, std::span(mesh.corners).last(kind.n_nodes));
   mesh.begins.push_back(mesh.corners.size());
   mesh.types.push_back(kind.vtk_type);
   input.element_groups.push_back(static_cast<double>(element.group));
@@ -171,9 +184,7 @@ Result<void> read_listed_elements(GmshInput& input) {
 }  // namespace
 
 Result<void> read_gmsh_elements(GmshInput& input) {
-  LODE_CHECK(input.has_blocks ? read_element_blocks(input) : read_listed_elements(input));
-  if (!input.refused_types.empty()) return refused_types(input, "");
-  return {};
+  return input.has_blocks ? read_element_blocks(input) : read_listed_elements(input);
 }
 
 }  // namespace lode::io

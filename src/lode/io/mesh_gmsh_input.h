@@ -38,8 +38,6 @@ struct GmshInput {
   /// By dimension and tag of an entity: its first physical group.
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> groups{};
   std::vector<double> element_groups{};  ///< By element; 0: none.
-  /// How many elements of types that cannot be read came, by Gmsh's number.
-  std::map<std::int64_t, std::uint64_t> refused_types{};
 
   /// A number that binary files hold in 4 bytes.
   [[nodiscard]] Result<std::int64_t> whole(std::string_view what);
@@ -61,7 +59,7 @@ struct GmshInput {
 
 [[nodiscard]] Result<void> read_gmsh_nodes(GmshInput& input);
 
-/// Fails on types that cannot be read, with the number of each.
+/// Fails on types that Gmsh's manual does not list.
 [[nodiscard]] Result<void> read_gmsh_elements(GmshInput& input);
 
 /// $NodeData and $ElementData, behind all nodes and elements.

@@ -3,6 +3,7 @@ set(IO_MESH_SOURCES
   boundary_patches.cpp
   cell_types.cpp
   grid_pieces.cpp
+  higher_order_cells.cpp
   inner_point.cpp
   mesh_blocks.cpp
   mesh_checks.cpp
@@ -30,6 +31,7 @@ set(IO_MESH_SOURCES
   polygon_triangles.cpp
   polyhedron_centre.cpp
   polyhedron_faces.cpp
+  quadratic_cells.cpp
   split_cells.cpp
   tetra_faces.cpp
   tetra_fields.cpp

@@ -66,24 +66,22 @@ Vec3d solved(const Mat3& m, const Vec3d& b) {
 
 }  // namespace
 
-std::optional<Vec3d> find_centre(const CellMesh& mesh, std::size_t cell, FaceTriangles faces) {
-  const Vec3d mean = mean_of_corners(mesh, cell);
+std::optional<Vec3d> find_centre(const CellMesh& mesh, const Vec3d& middle, FaceTriangles faces) {
   for (const double ratio : {0.0, kSliver}) {
     const auto triangles = higher_than(mesh, faces, ratio);
-    if (sees(mesh, mean, triangles)) return mean;
-    const Vec3d inner = innermost(mesh, mean, triangles);
+    if (sees(mesh, middle, triangles)) return middle;
+    const Vec3d inner = innermost(mesh, middle, triangles);
     if (sees(mesh, inner, triangles)) return inner;
   }
   if (std::any_of(faces.begin(), faces.end(),
-                  [&](const auto& t) { return side_of(mesh, mean, t) < 0; }))
+                  [&](const auto& t) { return side_of(mesh, middle, t) < 0; }))
     return std::nullopt;
-  return mean;
+  return middle;
 }
 
-double value_at_centre(const CellMesh& mesh, std::size_t cell, const Vec3d& centre,
-                       const std::vector<double>& values) {
-  const std::vector<std::uint32_t> corners = distinct_corners(mesh, cell);
-  const Vec3d middle = mean_of_corners(mesh, cell);
+double value_at_centre(const CellMesh& mesh, std::span<const std::uint32_t> corners,
+                       const Vec3d& centre, const std::vector<double>& values) {
+  const Vec3d middle = mean_position(mesh, corners);
   double sum = 0;
   for (const std::uint32_t corner : corners) sum += values[corner];
   const double mean = sum / static_cast<double>(corners.size());

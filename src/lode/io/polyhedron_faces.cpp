@@ -116,8 +116,7 @@ std::vector<std::uint32_t> distinct_corners(const CellMesh& mesh, std::size_t ce
   return distinct;
 }
 
-Vec3d mean_of_corners(const CellMesh& mesh, std::size_t cell) {
-  const std::vector<std::uint32_t> corners = distinct_corners(mesh, cell);
+Vec3d mean_position(const CellMesh& mesh, std::span<const std::uint32_t> corners) {
   Vec3d sum;
   for (const std::uint32_t corner : corners) sum = sum + mesh.points[corner];
   return sum * (1.0 / static_cast<double>(corners.size()));
@@ -132,7 +131,7 @@ Result<std::vector<std::array<std::uint32_t, 3>>> outward_triangles(const CellMe
     const auto more = polygon_triangles(mesh.points, loop);
     triangles.insert(triangles.end(), more.begin(), more.end());
   }
-  const Vec3d centre = mean_of_corners(mesh, cell);
+  const Vec3d centre = mean_position(mesh, distinct_corners(mesh, cell));
   double volume = 0;
   for (const auto& [a, b, c] : triangles)
     volume += dot(cross(mesh.points[a] - centre, mesh.points[b] - centre), mesh.points[c] - centre);

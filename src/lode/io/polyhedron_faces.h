@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/core/cell_mesh.h"
@@ -19,6 +20,6 @@ namespace lode::io {
 /// The corners of a polyhedron's faces, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> distinct_corners(const CellMesh& mesh, std::size_t cell);
 
-[[nodiscard]] Vec3d mean_of_corners(const CellMesh& mesh, std::size_t cell);
+[[nodiscard]] Vec3d mean_position(const CellMesh& mesh, std::span<const std::uint32_t> corners);
 
 }  // namespace lode::io

@@ -7,27 +7,18 @@
 #include <tuple>
 #include <utility>
 
+#include "lode/io/cell_shapes.h"
+#include "lode/io/higher_order_cells.h"
 #include "lode/io/mesh_checks.h"
 #include "lode/io/polyhedron_centre.h"
 #include "lode/io/polyhedron_faces.h"
+#include "lode/io/quadratic_cells.h"
 
 namespace lode::io {
 namespace {
 
 using Corners = std::span<const std::uint32_t>;
 using Triangle = std::array<std::uint32_t, 3>;
-/// Places of a face's corners in its cell, seen from outside; the last twice in triangles.
-using Face = std::array<std::uint8_t, 4>;
-
-constexpr std::array<Face, 6> kHexahedron = {
-    {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}}};
-constexpr std::array<Face, 5> kWedge = {
-    {{0, 2, 1, 1}, {3, 4, 5, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}};
-constexpr std::array<Face, 5> kPyramid = {
-    {{0, 3, 2, 1}, {0, 1, 4, 4}, {1, 2, 4, 4}, {2, 3, 4, 4}, {3, 0, 4, 4}}};
-
-std::size_t n_corners(const Face& face) { return face[2] == face[3] ? 3 : 4; }
-
 class Splitter {
  public:
   explicit Splitter(SplitCells& split) : split_(split) {}
@@ -95,7 +86,7 @@ std::uint8_t opposite_place(std::uint8_t place) {
 std::array<Face, 3> faces_round(std::uint8_t place) {
   std::array<Face, 3> round{};
   std::size_t n = 0;
-  for (const Face& face : kHexahedron) {
+  for (const Face& face : kHexahedronFaces) {
     const auto at =
         static_cast<std::size_t>(std::find(face.begin(), face.end(), place) - face.begin());
     if (at == face.size()) continue;
@@ -113,7 +104,7 @@ void split_hexahedron(Corners corners, Splitter& splitter) {
   std::array<Face, 3> faces = faces_round(far);
   for (const Face& face : faces)
     if (smallest(corners, face, 4) % 2 == 0)
-      return split_from_smallest(corners, kHexahedron, splitter);
+      return split_from_smallest(corners, kHexahedronFaces, splitter);
   // Each face is far, p, its opposite, q; the diagonals p q make a triangle a, b, c.
   for (const Face& face : faces)
     splitter.add({corners[apex], corners[face[1]], corners[face[2]], corners[face[3]]});
@@ -157,20 +148,21 @@ void split_quadratic(const CellMesh& mesh, Corners c, Splitter& splitter) {
     splitter.add({c[best[0]], c[best[1]], c[best[2 + i]], c[best[2 + (i + 1) % 4]]});
 }
 
-/// Polyhedra in which no point sees all triangles that their faces are cut into.
+/// Cells in which no point sees all triangles that their faces are cut into.
 struct Unseen {
   std::uint64_t n = 0;
   std::size_t first = 0;
 };
 
-Result<void> split_polyhedron(const CellMesh& mesh, std::size_t cell, SplitCells& split,
-                              Unseen& unseen) {
+/// Joins the triangles of a cell's faces to a new vertex; of a cell without a place for that,
+/// counts it.
+Result<void> split_round(const std::optional<Vec3d>& place, std::span<const Triangle> triangles,
+                         const CellMesh& mesh, std::size_t cell, SplitCells& split,
+                         Unseen& unseen) {
   const std::uint64_t centre = mesh.points.size() + split.centre_cells.size();
   if (centre > kMaxMeshCount)
-    return fail("{}: expected at most {} points and centres of polyhedra, got more", mesh.path,
+    return fail("{}: expected at most {} points and centres of cells, got more", mesh.path,
                 kMaxMeshCount);
-  LODE_TRY(const std::vector<Triangle> triangles, outward_triangles(mesh, cell));
-  const std::optional<Vec3d> place = find_centre(mesh, cell, triangles);
   if (!place) {
     if (unseen.n++ == 0) unseen.first = cell;
     return {};
@@ -184,8 +176,31 @@ Result<void> split_polyhedron(const CellMesh& mesh, std::size_t cell, SplitCells
   return {};
 }
 
-Result<void> split_cell(const CellMesh& mesh, std::size_t cell, QuadraticCells quadratic,
-                        SplitCells& split, Unseen& unseen) {
+Result<void> split_polyhedron(const CellMesh& mesh, std::size_t cell, SplitCells& split,
+                              Unseen& unseen) {
+  LODE_TRY(const std::vector<Triangle> triangles, outward_triangles(mesh, cell));
+  return split_round(
+      find_centre(mesh, mean_position(mesh, distinct_corners(mesh, cell)), triangles), triangles,
+      mesh, cell, split, unseen);
+}
+
+/// Round the node in its middle, or a new vertex.
+Result<void> split_quadratic_cell(const QuadraticShape& shape, const CellMesh& mesh,
+                                  std::size_t cell, SplitCells& split, Unseen& unseen) {
+  const Corners nodes = mesh.corners_of(cell);
+  const std::vector<Triangle> triangles = quadratic_triangles(shape, nodes);
+  if (!shape.centre)
+    return split_round(quadratic_centre(mesh, cell, triangles), triangles, mesh, cell, split,
+                       unseen);
+  Splitter splitter(split);
+  splitter.start(cell);
+  for (const Triangle& t : triangles) splitter.add({nodes[*shape.centre], t[0], t[1], t[2]});
+  return {};
+}
+
+Result<void> split_cell(const CellMesh& mesh, std::size_t cell, SplitCells& split, Unseen& unseen) {
+  if (const auto shape = quadratic_shape(mesh, cell))
+    return split_quadratic_cell(*shape, mesh, cell, split, unseen);
   Splitter splitter(split);
   splitter.start(cell);
   const Corners corners = mesh.corners_of(cell);
@@ -195,14 +210,9 @@ Result<void> split_cell(const CellMesh& mesh, std::size_t cell, QuadraticCells q
       break;
     case CellType::voxel: split_voxel(corners, splitter); break;
     case CellType::hexahedron: split_hexahedron(corners, splitter); break;
-    case CellType::wedge: split_from_smallest(corners, kWedge, splitter); break;
-    case CellType::pyramid: split_from_smallest(corners, kPyramid, splitter); break;
-    case CellType::quadratic_tetrahedron:
-      if (quadratic == QuadraticCells::split)
-        split_quadratic(mesh, corners, splitter);
-      else
-        splitter.add({corners[0], corners[1], corners[2], corners[3]});
-      break;
+    case CellType::wedge: split_from_smallest(corners, kWedgeFaces, splitter); break;
+    case CellType::pyramid: split_from_smallest(corners, kPyramidFaces, splitter); break;
+    case CellType::quadratic_tetrahedron: split_quadratic(mesh, corners, splitter); break;
     case CellType::polyhedron: return split_polyhedron(mesh, cell, split, unseen);
     default: break;
   }
@@ -211,20 +221,24 @@ Result<void> split_cell(const CellMesh& mesh, std::size_t cell, QuadraticCells q
 
 }  // namespace
 
-Result<SplitCells> split_cells(const CellMesh& mesh, QuadraticCells quadratic) {
+Result<SplitCells> split_cells(const CellMesh& mesh) {
   SplitCells split;
   Unseen unseen;
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
-    LODE_CHECK(split_cell(mesh, cell, quadratic, split, unseen));
+    LODE_CHECK(split_cell(mesh, cell, split, unseen));
     if (split.tetrahedra.size() > kMaxMeshCount)
       return fail("{}: expected cells that split into at most {} tetrahedra, got more", mesh.path,
                   kMaxMeshCount);
   }
   if (unseen.n > 0)
     return fail(
-        "{}: expected polyhedra in which some point sees all triangles that their faces are cut "
-        "into, to be split round it, got {} in which none does, the first of them cell {}",
-        mesh.path, unseen.n, unseen.first);
+        "{}: expected polyhedra and quadratic cells in which some point sees all triangles that "
+        "their faces are cut into, to be split round it, got {} in which none does, the first of "
+        "them cell {}{}",
+        mesh.path, unseen.n, unseen.first,
+        can_linearise(mesh.types[unseen.first])
+            ? ": that of its corners, which --linearise corners takes, is not bent"
+            : "");
   return split;
 }
 

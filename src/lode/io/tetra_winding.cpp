@@ -12,6 +12,11 @@ CellType type_of_tetrahedron(const CellMesh& mesh, const SplitCells& split, std:
   return static_cast<CellType>(mesh.types[split.cells[i]]);
 }
 
+bool is_wedge(CellType type) {
+  return type == CellType::wedge || type == CellType::quadratic_wedge ||
+         type == CellType::biquadratic_wedge;
+}
+
 /// Of each tetrahedron: 1, 0 or -1.
 std::vector<std::int8_t> signs_of(const std::vector<Vec3d>& points, const SplitCells& split) {
   std::vector<std::int8_t> signs(split.tetrahedra.size());
@@ -79,11 +84,11 @@ void Winding::turn_wedges(TetraReport& report) {
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     if (is_of_polyhedron(i)) continue;
     const CellType type = type_of_tetrahedron(mesh_, split_, i);
-    (type == CellType::wedge ? wedge_votes : other_votes) += signs_[i];
+    (is_wedge(type) ? wedge_votes : other_votes) += signs_[i];
   }
   if (!((wedge_votes < 0 && other_votes > 0) || (wedge_votes > 0 && other_votes < 0))) return;
   for (std::size_t i = 0; i < signs_.size(); ++i)
-    if (type_of_tetrahedron(mesh_, split_, i) == CellType::wedge) {
+    if (is_wedge(type_of_tetrahedron(mesh_, split_, i))) {
       turn(i);
       ++report.n_turned_wedges;
     }

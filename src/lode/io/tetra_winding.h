@@ -5,6 +5,7 @@
 #include "lode/core/cell_mesh.h"
 #include "lode/io/split_cells.h"
 #include "lode/io/tetra_faces.h"
+#include "lode/io/tetrahedra.h"
 
 namespace lode::io {
 

@@ -10,7 +10,10 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/io/boundary_patches.h"
 #include "lode/io/cell_types.h"
+#include "lode/io/higher_order_cells.h"
 #include "lode/io/polyhedron_centre.h"
+#include "lode/io/polyhedron_faces.h"
+#include "lode/io/quadratic_cells.h"
 #include "lode/io/split_cells.h"
 #include "lode/io/tetra_faces.h"
 #include "lode/io/tetra_fields.h"
@@ -23,6 +26,7 @@ namespace {
 
 constexpr std::size_t kNTypes = 256;
 
+/// Of types that are split whatever their number of nodes; Lagrange cells have other names by now.
 bool can_split(std::uint8_t type) {
   switch (static_cast<CellType>(type)) {
     case CellType::tetrahedron:
@@ -31,6 +35,11 @@ bool can_split(std::uint8_t type) {
     case CellType::wedge:
     case CellType::pyramid:
     case CellType::quadratic_tetrahedron:
+    case CellType::quadratic_hexahedron:
+    case CellType::triquadratic_hexahedron:
+    case CellType::quadratic_wedge:
+    case CellType::biquadratic_wedge:
+    case CellType::quadratic_pyramid:
     case CellType::polyhedron: return true;
     default: return false;
   }
@@ -42,31 +51,33 @@ bool is_solid(std::uint8_t type) {
 }
 
 /// Counts solid and other cells. Fails where there are some that cannot be split, or none that can.
-Result<void> check_types(const CellMesh& mesh, const TetraOptions& options, TetraReport& report) {
-  std::array<std::uint64_t, kNTypes> counts{};
-  for (const std::uint8_t type : mesh.types) ++counts[type];
-  std::string others;
-  for (std::size_t i = 0; i < kNTypes; ++i) {
-    const auto type = static_cast<std::uint8_t>(i);
-    (is_solid(type) ? report.n_cells : report.n_lower_cells) += counts[i];
-    if (counts[i] == 0 || !is_solid(type) || can_split(type)) continue;
-    others += fmt::format("{}{} of type {} ({})", others.empty() ? "" : ", ", counts[i], i,
-                          cell_kind(type)->name);
+Result<void> check_types(const CellMesh& mesh, TetraReport& report) {
+  std::array<std::uint64_t, kNTypes> refused{};
+  std::uint64_t n_to_linearise = 0;
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
+    const std::uint8_t type = mesh.types[cell];
+    ++(is_solid(type) ? report.n_cells : report.n_lower_cells);
+    if (!is_solid(type) || can_split(type) || quadratic_shape(mesh, cell)) continue;
+    ++refused[type];
+    n_to_linearise += can_linearise(type) ? 1 : 0;
   }
+  std::string others;
+  for (std::size_t i = 0; i < kNTypes; ++i)
+    if (refused[i] > 0)
+      others += fmt::format("{}{} of type {} ({})", others.empty() ? "" : ", ", refused[i], i,
+                            cell_kind(static_cast<std::uint8_t>(i))->name);
   if (!others.empty())
     return fail(
-        "{}: expected tetrahedra, quadratic tetrahedra, hexahedra, voxels, wedges, pyramids or "
-        "polyhedra, got {}",
-        mesh.path, others);
+        "{}: expected tetrahedra, hexahedra, voxels, wedges and pyramids, linear or quadratic, or "
+        "polyhedra, got {}{}",
+        mesh.path, others,
+        n_to_linearise == 0 ? ""
+                            : fmt::format(": {} of them have a linear cell's corners, which "
+                                          "--linearise corners takes instead",
+                                          n_to_linearise));
   if (report.n_cells == 0)
     return fail("{}: expected cells with a volume, got none among {}", mesh.path, mesh.n_cells());
-  const std::uint64_t n = counts[static_cast<std::size_t>(CellType::quadratic_tetrahedron)];
-  if (options.quadratic == QuadraticCells::split && n != 0 && n != report.n_cells)
-    return fail(
-        "{}: expected quadratic tetrahedra alone, which split would not meet other cells' faces, "
-        "got {} other cells: linearised to their corners (--linearise corners) they do",
-        mesh.path, report.n_cells - n);
-  return {};
+  return check_shared_nodes(mesh);
 }
 
 /// Which points solid cells have.
@@ -115,15 +126,25 @@ Result<void> weld(const TetraOptions& options, const ChosenFields& chosen, CellM
   return {};
 }
 
-/// New vertices behind the points: centres of polyhedra, with values of point fields.
+/// Of a field at points, at a new vertex within a cell.
+double value_within(const CellMesh& mesh, std::size_t cell, const Vec3d& place,
+                    const std::vector<double>& values) {
+  if (static_cast<CellType>(mesh.types[cell]) == CellType::polyhedron)
+    return value_at_centre(mesh, distinct_corners(mesh, cell), place, values);
+  return value_at_quadratic_centre(mesh, cell, place, values);
+}
+
+/// New vertices behind the points, within polyhedra and quadratic cells, with values of point
+/// fields.
 void add_centres(const SplitCells& split, CellMesh& mesh, ChosenFields& chosen) {
   if (split.centre_cells.empty()) return;
   for (std::size_t f = 0; f < chosen.fields.size(); ++f) {
     if (chosen.is_of_cells[f] != 0) continue;
     std::vector<double>& values = chosen.fields[f].values;
     std::vector<double> at_centres;
+    at_centres.reserve(split.centres.size());
     for (std::size_t i = 0; i < split.centres.size(); ++i)
-      at_centres.push_back(value_at_centre(mesh, split.centre_cells[i], split.centres[i], values));
+      at_centres.push_back(value_within(mesh, split.centre_cells[i], split.centres[i], values));
     values.insert(values.end(), at_centres.begin(), at_centres.end());
     chosen.fields[f].type = ScalarType::float64;
   }
@@ -206,13 +227,16 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   report.n_hidden_cells = mesh.n_hidden_cells;
   report.skipped_arrays = mesh.skipped_arrays;
   report.time = mesh.time;
-  LODE_CHECK(check_types(mesh, options, report));
+  if (options.quadratic == QuadraticCells::corners) linearise(mesh);
+  name_lagrange_cells(mesh);
+  report.n_reordered = order_middles(mesh);
+  LODE_CHECK(check_types(mesh, report));
   LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
   LODE_TRY(const std::size_t regions, find_regions(mesh, options));
   if (!options.region_field) report.regions_not_taken = find_regions_not_taken(mesh, regions);
   const std::size_t n_given = mesh.points.size();
   LODE_CHECK(weld(options, chosen, mesh, report));
-  LODE_TRY(SplitCells split, split_cells(mesh, options.quadratic));
+  LODE_TRY(SplitCells split, split_cells(mesh));
   report.n_repeating = split.n_repeating;
   report.n_new_points = split.centre_cells.size();
   if (split.tetrahedra.empty())

@@ -11,8 +11,8 @@
 
 namespace lode::io {
 
-/// What becomes of a quadratic tetrahedron: eight tetrahedra between its ten points, or the one of
-/// its corners.
+/// What becomes of quadratic cells: tetrahedra between all of their nodes (eight of a tetrahedron's
+/// ten), or what becomes of the linear cell of their corners, as then of cells of any order.
 enum class QuadraticCells { split, corners };
 
 struct TetraOptions {
@@ -51,7 +51,7 @@ struct NonfiniteField {
   std::string name;
   std::uint64_t n_values = 0;  ///< At vertices.
   std::uint64_t first = 0;     ///< The first of their points as the file numbers them, from 0, or
-                               ///< behind these a polyhedron's centre.
+                               ///< behind these one within a cell.
 };
 
 /// What a mesh of cells had, and what became of it.
@@ -67,7 +67,8 @@ struct TetraReport {
   std::uint64_t n_weld_refusals = 0;      ///< Points kept apart because of their values.
   std::uint64_t n_unused_points = 0;      ///< Left out: in no tetrahedron, and not welded.
   std::uint64_t n_coincident_points = 0;  ///< At the place of another vertex, kept.
-  std::uint64_t n_new_points = 0;         ///< Centres of polyhedra.
+  std::uint64_t n_new_points = 0;         ///< Within polyhedra and quadratic cells.
+  std::uint64_t n_reordered = 0;          ///< Quadratic cells whose nodes were in another order.
   // Of tetrahedra, after cells were split:
   std::uint64_t n_repeating = 0;      ///< Left out: a corner is there twice.
   std::uint64_t n_zero_volume = 0;    ///< Kept, for the mesh to conform.
@@ -92,11 +93,13 @@ struct TetrahedraOutcome {
 /// id, so that cells that share one agree (Dompierre, Labbe, Vallet and Camarero, How to subdivide
 /// pyramids, prisms and hexahedra into tetrahedra, 1999): 5 or 6 tetrahedra for a hexahedron or
 /// voxel, 3 for a wedge, 2 for a pyramid; a polyhedron's round the mean of its corners, or where
-/// that does not see all faces round another point that does (find_centre, value_at_centre). Fields
-/// of cells become means, weighted by volume, over the cells at a point. Vertices keep the order of
-/// the points. Tetrahedra are turned round so that all of a component are wound alike, and most of
-/// positive volume. Fails on other solid cells, on polyhedra without such a point, on faces of more
-/// than two tetrahedra, on a field that is missing, and where nothing solid is left.
+/// that does not see all faces round another point that does (find_centre, value_at_centre); other
+/// quadratic cells than tetrahedra likewise, round the middle of their parameters
+/// (quadratic_cells.h). Fields of cells become means, weighted by volume, over the cells at a
+/// point. Vertices keep the order of the points. Tetrahedra are turned round so that all of a
+/// component are wound alike, and most of positive volume. Fails on other solid cells, on polyhedra
+/// without such a point, on faces of more than two tetrahedra, on a field that is missing, and
+/// where nothing solid is left.
 [[nodiscard]] Result<TetrahedraOutcome> to_tetrahedra(CellMesh&& mesh, const TetraOptions& options);
 
 }  // namespace lode::io
