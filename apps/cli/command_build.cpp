@@ -127,6 +127,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
   table.add({"samples", format_count(n_samples)});
   table.add({"value range", describe_range(info)});
   table.add({"base error", format_number(info.base_error)});
+  add_units(table, info.volume.units);
   table.add({"time", fmt::format("{} ({:.1f} million samples a second)",
                                  format_seconds(seconds.total), rate)});
   table.add(

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "command.h"
+#include "describe.h"
 #include "extraction_options.h"
 #include "input.h"
 #include "parse.h"
@@ -90,6 +91,7 @@ Json count_json(const CountArguments& arguments, const Input& input, const Count
   json["built_in_memory"] = input.was_built;
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = !options.max_error.has_value();
+  add_units(json, input.info.volume.units);
   json["counts"] = Json::array();
   for (const IsovalueCount& count : report.counts) {
     Json& one = json["counts"].emplace_back();
@@ -110,6 +112,7 @@ std::string count_text(const Input& input, const CountOptions& options, const Co
   ExtractOptions like;
   like.max_error = options.max_error;
   head.add({"max error", describe_tolerance(like, report.max_error)});
+  add_units(head, input.info.volume.units);
   head.add({"count", format_seconds(report.seconds)});
   head.add({input.was_built ? "read and build" : "open", format_seconds(input.open_seconds)});
   const bool is_lines = input.info.model == "diamond2d";

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "command.h"
+#include "describe.h"
 #include "extract_focused.h"
 #include "extract_progressive.h"
 #include "extract_terrain.h"
@@ -220,6 +221,7 @@ std::string extraction_text(const Extraction& extraction) {
   const char* const when = report.simplified ? ", before it was simplified" : "";
   table.add({"achieved error", format_number(report.achieved_error) + when});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
+  add_units(table, extraction.input.info.volume.units);
   if (report.topology) table.add({"topology", describe_topology(report)});
   if (extraction.options.style == SurfaceStyle::cubes) {
     const bool has_holes = extraction.input.dataset.describe().n_holes > 0;
@@ -267,20 +269,20 @@ std::string extraction_text(const Extraction& extraction) {
 /// What files say of themselves.
 SurfaceWriteOptions note_of(const ExtractReport& report, const std::vector<double>& isovalues,
                             const ExtractOptions& options, const Input& input) {
-  return {.comment =
-              fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}{}",
-                          LODE_VERSION, isovalues.size() == 1 ? "isovalue" : "isovalues",
-                          fmt::join(isovalues, " "), report.max_error, report.achieved_error,
-                          report.simplified ? " before it was simplified" : "",
-                          options.style == SurfaceStyle::cubes
-                              ? fmt::format(", style cubes{}, style_error {}",
-                                            options.style_distance
-                                                ? fmt::format(" within {}", *options.style_distance)
-                                                : "",
-                                            report.style_error)
-                              : "",
-                          topology_comment(report), distance_comment(report),
-                          simplify_comment(report), salvage_comment(input.dataset.salvaged())),
+  return {.comment = fmt::format(
+              "Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}{}{}", LODE_VERSION,
+              isovalues.size() == 1 ? "isovalue" : "isovalues", fmt::join(isovalues, " "),
+              report.max_error, report.achieved_error,
+              report.simplified ? " before it was simplified" : "",
+              options.style == SurfaceStyle::cubes
+                  ? fmt::format(", style cubes{}, style_error {}",
+                                options.style_distance
+                                    ? fmt::format(" within {}", *options.style_distance)
+                                    : "",
+                                report.style_error)
+                  : "",
+              topology_comment(report), distance_comment(report), simplify_comment(report),
+              units_comment(input), salvage_comment(input.dataset.salvaged())),
           .frame = input.info.volume.grid.frame,
           .threads = options.threads};
 }

@@ -57,7 +57,8 @@ std::string join(const std::vector<std::string>& names) {
 /// What the header says; for a file whose field, component or time is still to be chosen it is
 /// all there is to say.
 Outcome report_header(const std::string& path, const FileDescription& file) {
-  const VolumeInfo volume{.grid = file.grid, .type = file.type, .field_name = {}, .nodata = {}};
+  const VolumeInfo volume{
+      .grid = file.grid, .type = file.type, .field_name = {}, .nodata = {}, .units = file.units};
   Outcome outcome;
   outcome.json = file_json(path, file.format);
   outcome.json.update(to_json(volume));

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "command.h"
+#include "describe.h"
 #include "extraction_options.h"
 #include "input.h"
 #include "lode/api/creased_caps.h"
@@ -156,6 +157,7 @@ Json rendering_json(const RenderArguments& arguments, const ExtractOptions& opti
   json["outputs"] = arguments.outputs();
   json["built_in_memory"] = input.was_built;
   add_extraction(json, options, report);
+  add_units(json, input.info.volume.units);
   json["size"] = arguments.size;
   json["camera"] = camera_json(rendering.camera);
   if (!rendering.frames.is_null()) json["progressive"] = rendering.frames;
@@ -179,6 +181,7 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
   add_isovalues(options.isovalues, table);
   table.add({"max error", describe_tolerance(options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
+  add_units(table, input.info.volume.units);
   const bool is_lines = input.info.model == "diamond2d";
   table.add(
       {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});

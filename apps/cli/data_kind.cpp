@@ -80,6 +80,8 @@ const std::map<std::string, Kinds>& kinds_of_options() {
       {"spacing", kVolume},
       {"origin", kVolume},
       {"byte-order", kVolume},
+      {"length-unit", kVolume},
+      {"value-unit", kVolume},
       // build
       {"resume", kVolume},
       {"no-resume", kVolume},

@@ -41,6 +41,7 @@ Json to_json(const VolumeInfo& volume) {
   json["type"] = name_of(volume.type);
   json["field"] = volume.field_name;
   json["nodata"] = volume.nodata ? Json(*volume.nodata) : Json(nullptr);
+  add_units(json, volume.units);
   return json;
 }
 
@@ -63,6 +64,24 @@ Json to_json(const DatasetInfo& info) {
   return json;
 }
 
+void add_units(Json& json, const Units& units) {
+  const auto unit = [](const std::string& name) {
+    return name.empty() ? Json(nullptr) : Json(name);
+  };
+  json["length_unit"] = unit(units.length);
+  json["value_unit"] = unit(units.value);
+}
+
+std::string describe_units(const Units& units) {
+  std::string text = units.length.empty() ? "" : "lengths in " + units.length;
+  if (!units.value.empty()) text += (text.empty() ? "values in " : ", values in ") + units.value;
+  return text;
+}
+
+void add_units(Table& table, const Units& units) {
+  if (!units.is_empty()) table.add({"units", describe_units(units)});
+}
+
 void add_volume(Table& table, const VolumeInfo& volume) {
   const RegularGrid& grid = volume.grid;
   table.add(
@@ -75,6 +94,7 @@ void add_volume(Table& table, const VolumeInfo& volume) {
   constexpr const char* kAxes[] = {"x axis", "y axis", "z axis"};
   for (std::size_t i = 0; i < 3; ++i) table.add({kAxes[i], vector_text(grid.direction.column(i))});
   table.add({"frame", std::string(name_of(grid.frame))});
+  add_units(table, volume.units);
   if (volume.nodata) table.add({"nodata", format_number(*volume.nodata)});
 }
 

@@ -62,6 +62,7 @@ std::string focused_text(const MeshJob& job, const Input& input, const FocusedRe
                                 : format_number(*report.max_error)});
   table.add(
       {"error bound", format_number(report.standing.error_bound) + ' ' + place_of_bound(query)});
+  add_units(table, input.info.volume.units);
   add_salvage(table, input.dataset.salvaged(), report.standing.error_bound);
   if (report.max_error_px) {
     table.add({"max error in view", format_number(*report.max_error_px) + " pixels"});
@@ -147,10 +148,10 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   warn_of_focused(session, report, surface, plain, input.info, options.query.budget.is_limited());
   LODE_CHECK(write_surface(
       job.output, surface,
-      {.comment =
-           fmt::format("Lode {}: isovalue {}, error_bound {} {}{}", LODE_VERSION,
-                       options.query.isovalues.front(), report.standing.error_bound,
-                       place_of_bound(options.query), salvage_comment(input.dataset.salvaged())),
+      {.comment = fmt::format("Lode {}: isovalue {}, error_bound {} {}{}{}", LODE_VERSION,
+                              options.query.isovalues.front(), report.standing.error_bound,
+                              place_of_bound(options.query), units_comment(input),
+                              salvage_comment(input.dataset.salvaged())),
        .frame = input.info.volume.grid.frame,
        .threads = session.threads()},
       session.progress()));

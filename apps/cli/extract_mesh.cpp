@@ -65,8 +65,8 @@ void warn_of_shortcomings(Session& session, const Made& made) {
 }
 
 std::string comment_of(const char* kind, const Input& input, const Made& made) {
-  return fmt::format("Lode {}: {}, max_error {}, achieved_error {}{}", LODE_VERSION, kind,
-                     made.max_error, made.achieved_error,
+  return fmt::format("Lode {}: {}, max_error {}, achieved_error {}{}{}", LODE_VERSION, kind,
+                     made.max_error, made.achieved_error, units_comment(input),
                      salvage_comment(input.dataset.salvaged()));
 }
 
@@ -101,6 +101,7 @@ Outcome report_outcome(const MeshJob& job, const Input& input, const Made& made,
        format_number(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
   table.add({"achieved error", format_number(made.achieved_error)});
+  add_units(table, input.info.volume.units);
   add_salvage(table, input.dataset.salvaged(), made.achieved_error);
   for (const auto& [name, value] : counts.items())
     table.add({name == "largest_error" ? "error anywhere" : name,

@@ -13,9 +13,10 @@ Result<void> write_step(const StepsJob& job, const ProgressiveStep& step, const 
                         const std::string& path, Progress& progress) {
   return write_surface(
       path, surface,
-      {.comment = fmt::format("Lode {}: isovalue {}, step of max_error {}, achieved_error {}{}",
+      {.comment = fmt::format("Lode {}: isovalue {}, step of max_error {}, achieved_error {}{}{}",
                               LODE_VERSION, job.options.isovalues.front(), step.max_error,
-                              step.achieved_error, salvage_comment(job.input.dataset.salvaged())),
+                              step.achieved_error, units_comment(job.input),
+                              salvage_comment(job.input.dataset.salvaged())),
        .frame = job.input.info.volume.grid.frame,
        .threads = job.options.threads},
       progress);

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "describe.h"
 #include "parse.h"
 #include "salvage.h"
 #include "stopwatch.h"
@@ -103,7 +104,7 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 }
 
 std::string ReadingArguments::given() const {
-  const std::array<std::pair<const char*, bool>, 18> options = {
+  const std::array<std::pair<const char*, bool>, 20> options = {
       {{"--field", !field.empty()},
        {"--with", !with.empty()},
        {"--component", !component.empty()},
@@ -114,6 +115,8 @@ std::string ReadingArguments::given() const {
        {"--spacing", !spacing.empty()},
        {"--origin", !origin.empty()},
        {"--byte-order", !byte_order.empty()},
+       {"--length-unit", !length_unit.empty()},
+       {"--value-unit", !value_unit.empty()},
        {"--weld", !weld.empty()},
        {"--weld-values", !weld_values.empty()},
        {"--linearise", !linearise.empty()},
@@ -161,6 +164,10 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   add("--spacing", arguments.spacing, "X,Y,Z", "Distance of samples in a raw file");
   add("--origin", arguments.origin, "X,Y,Z", "Position of the first sample of a raw file");
   add("--byte-order", arguments.byte_order, "ORDER", "little (default) or big, of a raw file");
+  add("--length-unit", arguments.length_unit, "UNIT",
+      "Of positions and distances of a volume, in place of what its file says: mm. Reports and "
+      "files name it; nothing is converted");
+  add("--value-unit", arguments.value_unit, "UNIT", "Of its values, likewise: HU");
   add("--weld", arguments.weld, "DISTANCE",
       "Of a mesh of cells: points that are so close become one (0: those at one place)");
   add("--weld-values", arguments.weld_values, "V",
@@ -197,6 +204,7 @@ Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads t
         "expected a mesh of cells with them");
   ReadOptions options;
   options.threads = threads;
+  options.units = {.length = arguments.length_unit, .value = arguments.value_unit};
   if (!arguments.field.empty()) options.field = arguments.field;
   if (arguments.component == "magnitude") {
     options.component = Magnitude{};
@@ -263,7 +271,13 @@ Json extract_head(const std::string& input_path, const Input& input,
   json["outputs"] = outputs;
   json["model"] = input.info.model;
   json["built_in_memory"] = input.was_built;
+  add_units(json, input.info.volume.units);
   return json;
+}
+
+std::string units_comment(const Input& input) {
+  const Units& units = input.info.volume.units;
+  return units.is_empty() ? "" : ", " + describe_units(units);
 }
 
 Result<void> check_paths_differ(const std::vector<std::string>& inputs,

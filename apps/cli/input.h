@@ -24,6 +24,8 @@ struct ReadingArguments {
   std::string spacing;
   std::string origin;
   std::string byte_order;
+  std::string length_unit;
+  std::string value_unit;
   std::string weld;  ///< This and the next two are of meshes of cells.
   std::string weld_values;
   std::string linearise;
@@ -89,6 +91,9 @@ using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;
 /// The keys that start what `lode extract` reports, whatever kind its answer is.
 [[nodiscard]] Json extract_head(const std::string& input_path, const Input& input,
                                 const std::vector<std::string>& outputs);
+
+/// What is behind the first words of a file's comment: ", lengths in mm", or nothing.
+[[nodiscard]] std::string units_comment(const Input& input);
 
 /// Refuses two outputs in one place and an output that would replace an input.
 [[nodiscard]] Result<void> check_paths_differ(const std::vector<std::string>& inputs,

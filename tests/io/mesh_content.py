@@ -35,7 +35,9 @@ def content_of_grid(grid, name):
     values = {}
     for i in range(fields.GetNumberOfArrays()):
         array = fields.GetArray(i)
-        values[array.GetName()] = [array.GetTuple1(k) for k in range(len(points))]
+        is_scalar = array.GetNumberOfComponents() == 1
+        values[array.GetName()] = [array.GetTuple1(k) if is_scalar else array.GetTuple(k)
+                                   for k in range(len(points))]
     cells = [[corners, error, region, name]
              for corners, error, region in zip(vtk_cells(grid)[:n], column(grid.GetCellData(), "error", n),
                                                column(grid.GetCellData(), "RegionId", n))]

@@ -160,6 +160,28 @@ TEST_P(mesh_formats, hold_further_fields_and_their_errors) {
   EXPECT_EQ(rows_of(read), rows_of(mesh));
 }
 
+TEST(mesh_exodus, has_vectors_by_names_that_readers_join) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  SimplexMesh mesh = strip({3, 1});
+  json vectors = json::array();
+  mesh.attributes.resize(3);
+  for (std::size_t i = 0; i < 3; ++i) mesh.attributes[i].name = fmt::format("flow:{}", i);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (std::size_t i = 0; i < 3; ++i)
+      mesh.attributes[i].values.push_back(static_cast<double>(4 * v + i));
+    vectors.push_back({4.0 * static_cast<double>(v), 4.0 * static_cast<double>(v) + 1,
+                       4.0 * static_cast<double>(v) + 2});
+  }
+  const std::string path = file_path("vectors.e");
+  Progress progress;
+  ASSERT_TRUE(write_mesh(path, mesh, {.value_name = "wave"}, progress));
+  const json read = json::parse(test::run_oracle(LODE_MESH_CONTENT, path), nullptr, false);
+  ASSERT_TRUE(read.is_object());
+  ASSERT_EQ(read.at("values").size(), 2U) << read.at("values").dump();
+  EXPECT_EQ(read.at("values").at("flow_"), vectors);
+  ::unlink(path.c_str());
+}
+
 TEST(mesh_vtu, holds_further_fields_and_their_errors) {
   ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
   const SimplexMesh mesh = strip_of_three_fields();

@@ -21,6 +21,7 @@ TEST(ome_zarr_reader, reads_the_first_level_of_version_0_4_where_it_lies) {
   EXPECT_EQ(info.grid.origin, (Vec3d{{3, -2, 1}}));
   EXPECT_EQ(info.grid.direction, Mat3::identity());
   EXPECT_EQ(info.field_name, "");
+  EXPECT_EQ(info.units, (Units{"nanometer", ""}));
   const auto description = describe_volume(fixture.path(), {});
   ASSERT_TRUE(description) << description.error().message;
   EXPECT_EQ(description->format, "OME-Zarr 0.4, Zarr v2, zlib");

@@ -40,7 +40,13 @@ def read_metadata(raw):
     while any(2**n_levels < n - 1 for n in metadata["dims"]):
         n_levels += 1
     metadata["max_errors"] = struct.unpack_from(f"<{n_levels}d", raw, at)
-    expect(at + 8 * n_levels == len(raw), "bytes left over in the metadata")
+    at += 8 * n_levels
+    metadata["errors_end"] = at
+    for name in ("length_unit", "value_unit") if at < len(raw) else ():
+        (n,) = struct.unpack_from("<I", raw, at)
+        metadata[name] = raw[at + 4 : at + 4 + n].decode()
+        at += 4 + n
+    expect(at == len(raw), "bytes left over in the metadata")
     return metadata
 
 
@@ -177,7 +183,9 @@ def main():
     blocks = container.read_blocks(library, data, header, entries)
     blocks = (b for b in blocks if b[1]["kind"] != INDEX)
     n_errors = 1 + len(metadata["max_errors"])
-    early = raw_metadata[: -8 * n_errors] + struct.pack("<d", math.inf) * n_errors
+    end = metadata["errors_end"]
+    unknown = struct.pack("<d", math.inf) * n_errors
+    early = raw_metadata[: end - 8 * n_errors] + unknown + raw_metadata[end:]
     if any(e["kind"] == INDEX for e in entries):
         for index in container.check_indexes(library, data, entries):
             expect(index == (model, early), "an index of other metadata")

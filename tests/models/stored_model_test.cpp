@@ -28,7 +28,10 @@ struct StoredCase {
 class stored_model : public ::testing::TestWithParam<StoredCase> {
  protected:
   [[nodiscard]] static Volume volume() {
-    return test::random_samples(GetParam().dims, GetParam().type, GetParam().holes);
+    Volume volume = test::random_samples(GetParam().dims, GetParam().type, GetParam().holes);
+    if (GetParam().holes == Holes::some)
+      volume.info.units = {.length = "mm", .value = "g/cm\u00b3"};
+    return volume;
   }
   [[nodiscard]] static bool is_flat() {
     const Index3& dims = GetParam().dims;
@@ -229,6 +232,16 @@ TEST_F(lying_file, with_impossible_metadata_is_refused_without_reading_blocks) {
   }
   expect_impossible("got 8 more bytes", [](Metadata& m) { m.summary.max_errors.push_back(0); });
   expect_impossible("got only 0 bytes", [](Metadata& m) { m.summary.max_errors.pop_back(); });
+}
+
+TEST_F(lying_file, with_a_unit_that_is_no_label_is_refused) {
+  volume_.info.units = {.length = "m\nm", .value = {}};
+  test::save<3>(test::built<3>(volume_), path_.str());
+  const auto reader = store::Reader::open(path_.str());
+  ASSERT_TRUE(reader);
+  const auto metadata = read_metadata(*reader);
+  ASSERT_FALSE(metadata);
+  EXPECT_NE(metadata.error().message.find("expected a unit"), std::string::npos);
 }
 
 TEST_F(lying_file, with_metadata_cut_anywhere_is_refused) {

@@ -200,7 +200,7 @@ def read_header(data):
     names += ("directory_stored_size", "directory_raw_size", "directory_checksum")
     header = dict(zip(names, struct.unpack_from("<II6Q", data, 8)))
     expect(header["version"] == 2, "unknown version")
-    expect(header["features"] in range(4), "unknown features")
+    expect(header["features"] in range(8), "unknown features")
     expect(header["file_size"] == len(data), "wrong file size")
     return header
 

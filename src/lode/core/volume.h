@@ -12,6 +12,7 @@
 #include "lode/core/regular_grid.h"
 #include "lode/core/result.h"
 #include "lode/core/scalar_type.h"
+#include "lode/core/units.h"
 
 namespace lode {
 
@@ -21,6 +22,7 @@ struct VolumeInfo {
   ScalarType type = ScalarType::uint8;
   std::string field_name;        ///< Empty when the file names none.
   std::optional<double> nodata;  ///< Samples equal to this are holes (as non-finite ones are).
+  Units units{};
 
   friend bool operator==(const VolumeInfo&, const VolumeInfo&) = default;
 };

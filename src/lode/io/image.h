@@ -48,6 +48,7 @@ struct ImageField {
   SampleLayout layout;
   double slope = 1;  ///< value = slope · stored + intercept
   double intercept = 0;
+  std::string value_unit{};  ///< Of these values; empty: the file says none.
   /// Finds or decodes the samples; all sizes are checked before anything large is allocated.
   std::function<Result<std::unique_ptr<SampleStore>>()> load;
 };
@@ -59,7 +60,8 @@ struct Image {
   std::string frame_note;
   RegularGrid grid;
   std::vector<ImageField> fields;
-  IoTallyPtr tally;  ///< Of its files.
+  IoTallyPtr tally;           ///< Of its files.
+  std::string length_unit{};  ///< Empty: the file says none, or several.
 };
 
 /// x fastest after the components of a sample, then y, z, time. Fails when a count is below 1 or

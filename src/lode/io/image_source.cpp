@@ -1,4 +1,5 @@
 #include "lode/io/image_source.h"
+#include "lode/core/label.h"
 
 #include <algorithm>
 #include <cmath>
@@ -239,6 +240,12 @@ Result<std::int64_t> choose_time(const std::string& path, std::int64_t n_times,
   return time;
 }
 
+Units chosen_units(const Units& of_file, const ReadOptions& options) {
+  const Units& given = options.units;
+  return {.length = to_label(given.length.empty() ? of_file.length : given.length),
+          .value = to_label(given.value.empty() ? of_file.value : given.value)};
+}
+
 Result<void> check_nodata(const std::string& path, const ReadOptions& options) {
   if (options.nodata && !std::isfinite(*options.nodata))
     return fail(
@@ -269,7 +276,8 @@ Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
   VolumeInfo info{.grid = image.grid,
                   .type = selection.is_computed ? computed_type(layout.type) : layout.type,
                   .field_name = field->name,
-                  .nodata = options.nodata};
+                  .nodata = options.nodata,
+                  .units = chosen_units({image.length_unit, field->value_unit}, options)};
   LODE_TRY(std::unique_ptr<SampleStore> store, field->load());
   return std::unique_ptr<VolumeSource>(
       std::make_unique<ImageSource>(image, std::move(info), *field, selection, std::move(store)));

@@ -22,6 +22,9 @@ namespace lode::io {
 /// Fails unless options.nodata is finite or missing.
 [[nodiscard]] Result<void> check_nodata(const std::string& path, const ReadOptions& options);
 
+/// What the options name, else the file; as labels.
+[[nodiscard]] Units chosen_units(const Units& of_file, const ReadOptions& options);
+
 /// The field that the options pick; fails, listing them, when there are several and no choice, or
 /// none of that name.
 [[nodiscard]] Result<const ImageField*> choose_field(const Image& image,

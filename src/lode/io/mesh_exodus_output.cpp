@@ -9,6 +9,7 @@
 #include "lode/io/mesh_blocks.h"
 #include "lode/io/mesh_patches.h"
 #include "lode/io/netcdf_output.h"
+#include "lode/io/vector_arrays.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -211,13 +212,25 @@ void ExodusContent::add_element_values(std::size_t number, const ValueOf& value_
   }
 }
 
-void ExodusContent::add_nodal_values(const MeshWriteOptions& options) {
-  std::vector<std::string> names{vtk_array_name(options.value_name)};
-  std::vector<const std::vector<double>*> fields{&mesh_.values};
-  for (const Attribute& attribute : mesh_.attributes) {
-    names.push_back(vtk_array_name(attribute.name));
-    fields.push_back(&attribute.values);
+/// By field, the first one first. Exodus II has scalars alone; readers make a vector of three that
+/// are called NAME_x, NAME_y and NAME_z.
+std::vector<std::string> names_of_scalars(const std::string& first_field,
+                                          std::span<const Attribute> attributes) {
+  std::vector<std::string> names{vtk_array_name(first_field)};
+  for (const Attribute& attribute : attributes) names.push_back(vtk_array_name(attribute.name));
+  for (const ArrayOfFields& array : arrays_of_fields(first_field, attributes)) {
+    if (array.fields.size() != 3) continue;
+    for (std::size_t i = 0; i < 3; ++i)
+      names[static_cast<std::size_t>(array.fields[i] + 1)] =
+          fmt::format("{}_{}", vtk_array_name(array.name), "xyz"[i]);
   }
+  return names;
+}
+
+void ExodusContent::add_nodal_values(const MeshWriteOptions& options) {
+  std::vector<std::string> names = names_of_scalars(options.value_name, mesh_.attributes);
+  std::vector<const std::vector<double>*> fields{&mesh_.values};
+  for (const Attribute& attribute : mesh_.attributes) fields.push_back(&attribute.values);
   const std::uint32_t n_names = dimension("num_nod_var", names.size());
   add_texts("name_nod_var", n_names, name_, std::move(names));
   for (std::size_t i = 0; i < fields.size(); ++i)

@@ -243,6 +243,9 @@ Result<Image> read_metaimage(const std::string& path, const SampleStorage& stora
               .fields = {},
               .tally = file->tally()};
   LODE_TRY(image.grid, parse_meta_grid(header, shape, image.frame_note));
+  // MetaIO writes "?" where it does not know.
+  if (const std::string* unit = header.find({"distanceunits"}); unit != nullptr && *unit != "?")
+    image.length_unit = *unit;
   ImageField field;
   LODE_TRY(field.layout,
            interleaved_layout(path, image.grid.dims, type, shape.n_channels, shape.counts[3]));

@@ -40,6 +40,7 @@ struct NiftiHeader {
   bool is_single_file = true;
   std::array<std::int64_t, 8> dim{};
   std::array<double, 8> pixdim{};
+  int units = 0;  ///< Of lengths in the lowest three bits, of times above.
   int datatype = 0;
   double vox_offset = 0;
   double slope = 0;
@@ -92,6 +93,7 @@ NiftiHeader parse_version_1(const HeaderBytes& b) {
     h.pixdim[i] = double{b.get<float>(76 + 4 * i)};
   }
   h.datatype = b.get<std::int16_t>(70);
+  h.units = b.get<std::uint8_t>(123);
   h.vox_offset = double{b.get<float>(108)};
   h.slope = double{b.get<float>(112)};
   h.intercept = double{b.get<float>(116)};
@@ -109,6 +111,7 @@ NiftiHeader parse_version_2(const HeaderBytes& b) {
     h.pixdim[i] = b.get<double>(104 + 8 * i);
   }
   h.datatype = b.get<std::int16_t>(12);
+  h.units = b.get<std::int32_t>(500);
   h.vox_offset = static_cast<double>(b.get<std::int64_t>(168));
   h.slope = b.get<double>(176);
   h.intercept = b.get<double>(184);
@@ -224,6 +227,12 @@ Result<RegularGrid> parse_nifti_grid(const std::string& path, const NiftiHeader&
   return make_grid(path, frame);
 }
 
+/// Empty where the header says none.
+std::string length_unit_of(const NiftiHeader& h) {
+  constexpr std::array<const char*, 8> kUnits = {"", "m", "mm", "um", "", "", "", ""};
+  return kUnits[static_cast<std::size_t>(h.units & 7)];
+}
+
 Result<SampleLayout> make_layout(const std::string& path, const NiftiHeader& h, const Index3& dims,
                                  const std::array<std::int64_t, 5>& counts, NiftiType type) {
   const bool is_vector = counts[4] > 1;
@@ -287,6 +296,7 @@ Result<Image> read_nifti(const std::string& path, const SampleStorage& storage) 
               .fields = {},
               .tally = file->tally()};
   LODE_TRY(image.grid, parse_nifti_grid(path, header, dims, image.frame_note));
+  image.length_unit = length_unit_of(header);
   ImageField field;
   LODE_TRY(field.layout, make_layout(path, header, dims, counts, type));
   const bool has_scale = std::isfinite(header.slope) && header.slope != 0 && type.n_components == 1;

@@ -22,13 +22,14 @@ struct NrrdHeader {
 /// Folds the spellings the standard allows into one.
 std::string canonical_key(std::string_view key) {
   std::string name = to_lower(trimmed(key));
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kSpellings = {{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSpellings = {{
       {"datafile", "data file"},
       {"axismins", "axis mins"},
       {"axismaxs", "axis maxs"},
       {"byteskip", "byte skip"},
       {"lineskip", "line skip"},
       {"centers", "centerings"},
+      {"sampleunits", "sample units"},
   }};
   for (const auto& [spelling, canonical] : kSpellings)
     if (name == spelling) return std::string(canonical);
@@ -156,6 +157,34 @@ Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeade
   return data;
 }
 
+/// The one unit that a list of them in quotes names, beside empty ones; empty where several.
+std::string common_unit(std::string_view list) {
+  std::string common;
+  while (true) {
+    const std::size_t begin = list.find('"');
+    const std::size_t end = begin == list.npos ? begin : list.find('"', begin + 1);
+    if (end == list.npos) return common;
+    const std::string unit(trimmed(list.substr(begin + 1, end - begin - 1)));
+    if (!common.empty() && !unit.empty() && unit != common) return {};
+    if (!unit.empty()) common = unit;
+    list.remove_prefix(end + 1);
+  }
+}
+
+/// Of the space, else of all axes.
+std::string length_unit_of(const NrrdFields& fields) {
+  for (const char* key : {"space units", "units"})
+    if (const auto it = fields.find(key); it != fields.end()) return common_unit(it->second);
+  return {};
+}
+
+std::string value_unit_of(const NrrdFields& fields) {
+  const auto it = fields.find("sample units");
+  if (it == fields.end()) return {};
+  const std::string unit = common_unit(it->second);
+  return unit.empty() ? std::string(trimmed(it->second)) : unit;
+}
+
 std::string_view name_of(NrrdEncoding encoding) {
   constexpr std::array<std::string_view, 4> kNames = {"raw", "gzip", "text", "hex"};
   return kNames[static_cast<std::size_t>(encoding)];
@@ -177,10 +206,12 @@ Result<Image> read_nrrd(const std::string& path, const SampleStorage& storage) {
               .frame_note = std::move(axes.frame_note),
               .grid = axes.grid,
               .fields = {},
-              .tally = file->tally()};
+              .tally = file->tally(),
+              .length_unit = length_unit_of(header.fields)};
   ImageField field{.name = {}, .layout = axes.layout, .load = [data, n_bytes, storage] {
                      return load_nrrd_data(data, n_bytes, storage);
                    }};
+  field.value_unit = value_unit_of(header.fields);
   image.fields.push_back(std::move(field));
   return image;
 }

@@ -211,6 +211,13 @@ GridSteps grid_steps(const OmeImage& image, const Index3& dims) {
   return steps;
 }
 
+std::string length_unit_of(const OmeImage& image) {
+  const std::string& unit = image.axes.back().unit;
+  const auto differs = [&](const OmeAxis& axis) { return axis.unit != unit; };
+  const auto first = image.axes.begin() + static_cast<std::ptrdiff_t>(image.n_leading());
+  return std::any_of(first, image.axes.end(), differs) ? std::string() : unit;
+}
+
 std::string describe_axes(const OmeImage& image) {
   std::vector<std::string> names;
   std::vector<std::string> units;

@@ -39,4 +39,7 @@ struct OmeImage {
 /// "OME-Zarr axes z, y, x in micrometer": what it says instead of a frame.
 [[nodiscard]] std::string describe_axes(const OmeImage& image);
 
+/// That of all axes in space; empty where they have none, or several.
+[[nodiscard]] std::string length_unit_of(const OmeImage& image);
+
 }  // namespace lode::io

@@ -122,11 +122,13 @@ Result<FileDescription> describe_volume(const std::string& path, const ReadOptio
     if (options.field) {
       LODE_TRY(field, choose_field(image, options));
     }
-    FileDescription description{.format = image.format,
-                                .frame_note = image.frame_note,
-                                .fields = {},
-                                .grid = image.grid,
-                                .type = field->layout.type};
+    FileDescription description{
+        .format = image.format,
+        .frame_note = image.frame_note,
+        .fields = {},
+        .grid = image.grid,
+        .type = field->layout.type,
+        .units = chosen_units({image.length_unit, field->value_unit}, options)};
     for (const ImageField& each : image.fields) description.fields.push_back(each.name);
     description.n_components = static_cast<int>(field->layout.n_components);
     description.n_times = static_cast<int>(field->layout.n_times);

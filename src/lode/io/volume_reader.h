@@ -48,6 +48,7 @@ struct ReadOptions {
   /// Most bytes of decoded chunks that a source made of chunks keeps for the next read.
   std::size_t cache_limit = std::numeric_limits<std::size_t>::max();
   Threads threads;  ///< For decoding, where a format is made of chunks.
+  Units units{};    ///< Those that are not empty stand for what the file says.
 };
 
 /// What a foreign file says beside VolumeInfo.
@@ -59,6 +60,7 @@ struct FileDescription {
   int n_times = 1;
   RegularGrid grid;
   ScalarType type = ScalarType::uint8;  ///< As stored, before any slope; of the same field.
+  Units units{};                        ///< Likewise.
 };
 
 /// Whether open_volume() takes a file of that name, or is a directory; any other needs options.raw.

@@ -34,6 +34,7 @@ struct ZarrImage {
   RegularGrid grid;
   std::string format;
   std::string frame_note;
+  std::string length_unit;
 
   [[nodiscard]] std::int64_t count_along(const std::optional<std::size_t>& axis) const {
     return axis ? array.shape[*axis] : 1;
@@ -150,6 +151,7 @@ Result<ZarrImage> read_image(const std::string& path, const ZarrEntry& entry) {
     image.format =
         fmt::format("OME-Zarr{}{}, {}", version.empty() ? "" : " ", version, image.format);
     image.frame_note = describe_axes(*entry.ome);
+    image.length_unit = length_unit_of(*entry.ome);
     return image;
   }
   image.n_leading = std::max<std::size_t>(image.array.shape.size(), 3) - 3;
@@ -202,7 +204,8 @@ Result<std::unique_ptr<VolumeSource>> open_zarr(const std::string& path,
   VolumeInfo info{.grid = image.grid,
                   .type = image.array.type,
                   .field_name = image.field_name,
-                  .nodata = options.nodata};
+                  .nodata = options.nodata,
+                  .units = chosen_units({image.length_unit, {}}, options)};
   auto source = make_zarr_source({std::move(image.array), std::move(place)}, std::move(info),
                                  options.threads, options.cache_limit);
   // Who sets a limit, as builds do, reads all of it in slices; others may want a box of it.
@@ -222,7 +225,8 @@ Result<FileDescription> describe_zarr(const std::string& path, const ReadOptions
                               .frame_note = image.frame_note,
                               .fields = {},
                               .grid = image.grid,
-                              .type = image.array.type};
+                              .type = image.array.type,
+                              .units = chosen_units({image.length_unit, {}}, options)};
   for (const ZarrEntry& each : entries) description.fields.push_back(each.array_path);
   description.n_components = static_cast<int>(image.count_along(image.component_axis));
   description.n_times = static_cast<int>(image.count_along(image.time_axis));

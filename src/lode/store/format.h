@@ -20,9 +20,12 @@ inline constexpr std::array<unsigned char, kMagicBytes> kMagic = {0x8B, 'L',  'O
 inline constexpr std::uint32_t kFormatVersion = 2;
 /// Must-understand features: that blocks may have Codec::predicted_zstd or ranked_zstd;
 inline constexpr std::uint64_t kFeaturePredicted = 1;
-/// that errors of nodes with removed cells are infinite, also of those that have no others.
+/// that errors of nodes with removed cells are infinite, also of those that have no others;
 inline constexpr std::uint64_t kFeatureRemovedCells = 2;
-inline constexpr std::uint64_t kKnownFeatures = kFeaturePredicted | kFeatureRemovedCells;
+/// that metadata of a model end with units.
+inline constexpr std::uint64_t kFeatureUnits = 4;
+inline constexpr std::uint64_t kKnownFeatures =
+    kFeaturePredicted | kFeatureRemovedCells | kFeatureUnits;
 inline constexpr std::size_t kHeaderBytes = 128;
 
 /// No block is larger than this when decoded; 64 KiB to 1 MiB is usual. A constant, because

@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "lode/core/label.h"
 #include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/store/bytes.h"
@@ -52,6 +53,21 @@ Result<VolumeInfo> read_info(store::ByteReader& in, const std::string& path) {
   info.grid.frame = static_cast<Frame>(frame);
   if (has_nodata != 0) info.nodata = nodata;
   return info;
+}
+
+/// What a rebuilt file required is lost with its header.
+bool has_units(const store::Reader& reader, const store::ByteReader& in) {
+  return reader.is_rebuilt() ? in.n_left() > 0 : (reader.features() & store::kFeatureUnits) != 0;
+}
+
+Result<Units> read_units(store::ByteReader& in, const std::string& path) {
+  Units units;
+  for (std::string* const unit : {&units.length, &units.value}) {
+    LODE_TRY(*unit, in.read_string());
+    if (const auto fault = label_fault(*unit))
+      return fail("{}: metadata: expected a unit, got a text with {}", path, *fault);
+  }
+  return units;
 }
 
 Result<FieldStats> read_stats(store::ByteReader& in, const std::string& path,
@@ -119,6 +135,10 @@ std::vector<std::byte> encode_metadata(const Metadata& metadata) {
   out.write(summary.stats.n_removed_cells);
   out.write(summary.base_error);
   out.write_all(std::span(summary.max_errors));
+  if (!info.units.is_empty()) {
+    out.write_string(info.units.length);
+    out.write_string(info.units.value);
+  }
   return std::move(out).take();
 }
 
@@ -146,6 +166,9 @@ Result<Metadata> read_metadata(const store::Reader& reader) {
   for (int level = 0; level < n_levels; ++level) {
     LODE_TRY(const double error, read_error(in, path));
     summary.max_errors.push_back(error);
+  }
+  if (has_units(reader, in)) {
+    LODE_TRY(metadata.info.units, read_units(in, path));
   }
   LODE_CHECK(in.expect_end());
   if (reader.model() == model_name<2>())

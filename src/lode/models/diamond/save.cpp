@@ -18,6 +18,7 @@ Result<void> save_with(const Model<D>& model, const WorldErrors& worlds, const s
   const Metadata metadata{.info = model.info, .summary = summarize<D>(model)};
   LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(metadata)));
   if (model.has_holes()) writer.require(store::kFeatureRemovedCells);
+  if (!model.info.units.is_empty()) writer.require(store::kFeatureUnits);
   writer.set_early_metadata(encode_early_metadata(model.info, model.stats));
   const std::size_t n_chunks = n_points<D>(chunk_counts<D>(model.shape));
   for (std::size_t i = 0; i <= n_chunks; ++i) {

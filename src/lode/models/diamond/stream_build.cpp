@@ -230,6 +230,7 @@ class StreamBuild {
   Result<store::Writer> open(const std::string& path) {
     LODE_TRY(auto writer, open_writer(path));
     if (field_.has_holes()) writer.require(store::kFeatureRemovedCells);
+    if (!field_.info.units.is_empty()) writer.require(store::kFeatureUnits);
     writer.set_early_metadata(encode_early_metadata(field_.info, field_.stats));
     return writer;
   }
