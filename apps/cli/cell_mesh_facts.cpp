@@ -12,15 +12,21 @@ namespace {
 struct FoundRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
+  std::uint64_t n_other = 0;  ///< That are no finite numbers.
 
   void add(double x) {
-    if (!std::isfinite(x)) return;
+    if (!std::isfinite(x)) {
+      ++n_other;
+      return;
+    }
     low = std::min(low, x);
     high = std::max(high, x);
   }
   [[nodiscard]] bool is_empty() const { return low > high; }
   [[nodiscard]] std::string text() const {
-    return is_empty() ? std::string("no finite values") : format_range(low, high);
+    if (is_empty()) return "no finite values";
+    if (n_other == 0) return format_range(low, high);
+    return fmt::format("{}, {} not finite", format_range(low, high), format_count(n_other));
   }
   [[nodiscard]] Json json() const { return is_empty() ? Json(nullptr) : Json::array({low, high}); }
 };
@@ -66,6 +72,7 @@ void add_fields(const char* name, const std::vector<MeshField>& fields, Table& t
                     {"type", name_of(field.type)},
                     {"components", field.n_components},
                     {"range", range.json()},
+                    {"nonfinite", range.n_other},
                     {"component_ranges", component_ranges(field)}});
     table.add({name, fmt::format("{}, {}, {}{}", field.name, name_of(field.type),
                                  field.n_components > 1

@@ -10,6 +10,7 @@
 #include "outputs.h"
 #include "parse.h"
 #include "tetra_input.h"
+#include "tetra_record.h"
 #include "text.h"
 #include "vtk_import.h"
 
@@ -118,14 +119,21 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
   LODE_TRY(const std::vector<StepToRead> steps, steps_of(arguments));
   LODE_TRY(const std::set<std::string> timed, timed_fields(arguments.model()));
   std::size_t at = 0;
+  std::vector<TetraBuildRecord::Note> notes;
   const auto next = [&]() -> Result<std::optional<TetraStep>> {
     if (at == steps.size()) return std::optional<TetraStep>();
     const StepToRead& step = steps[at++];
     LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(step.path, step.reading, session));
     const std::string& solution = step.reading.solution;
     LODE_TRY(const std::optional<double> time, time_of(step, steps.size(), made, timed));
-    return std::optional(TetraStep{std::move(made.mesh), time,
-                                   solution.empty() ? step.path : step.path + ", " + solution});
+    TetraStep read{.mesh = std::move(made.mesh),
+                   .time = time,
+                   .source = solution.empty() ? step.path : step.path + ", " + solution,
+                   .notes = notes_of_fields(made.report)};
+    for (auto& [name, text] : read.notes)
+      if (time) text += fmt::format(", at {}", format_number(*time));
+    notes.insert(notes.end(), read.notes.begin(), read.notes.end());
+    return std::optional(std::move(read));
   };
   LODE_TRY(const TetraAttachReport report,
            attach_fields(arguments.model(), arguments.output(), next, session.threads(),
@@ -138,6 +146,11 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
   json["attached"] = report.n_attached;
   Table table;
   add_fields(report.info, table, json);
+  json["notes"] = Json::array();
+  for (const auto& [name, text] : notes) {
+    json["notes"].push_back({{"about", name}, {"note", text}});
+    table.add({name, text});
+  }
   json["file_bytes"] = report.file_bytes;
   json["seconds"] = {{"total", report.seconds}};
   json["warnings"] = session.warnings();

@@ -66,20 +66,20 @@ void warn_of_inverted_cells(Session& session, const TetraInput& input, const Pro
 
 void warn_of_answer(Session& session, const ProbeAnswer& answer) {
   if (answer.integral && answer.integral->is_empty)
-    session.warn("the integral is empty: the region has no part of a cell");
+    session.warn("the integral is empty: no cell of the region has a part in the box or ball");
   if (!answer.points.empty() && answer.report.n_outside > 0)
     session.warn(
         fmt::format("{} of {} points are outside", answer.report.n_outside, answer.points.size()));
   if (answer.report.n_near_boundary > 0)
     session.warn(fmt::format(
-        "{} points are outside of the cut, but no farther than its boundary may be off: "
+        "{} of the points are outside of the cut, but no farther than its boundary may be off: "
         "if the field is there, it is from low to high",
         answer.report.n_near_boundary));
   const auto n_snapped = std::ranges::count_if(
       answer.points, [](const ProbedPoint& point) { return point.snapped > 0; });
   if (n_snapped > 0)
-    session.note(
-        fmt::format("{} points are outside, and have what the nearest of the mesh has", n_snapped));
+    session.note(fmt::format(
+        "{} of the points are outside, and have what the nearest of the mesh has", n_snapped));
   if (!answer.integral && answer.points.empty() && answer.line.empty())
     session.warn("the line meets no cell");
 }
@@ -197,7 +197,9 @@ Command add_probe_command(CLI::App& program) {
       "may\n"
       "be there, and then between the bounds. Fields of --with are of the same cells, whose "
       "tolerance\n"
-      "is that of --field.\n\n"
+      "is that of --field. Quadratic cells count as the tetrahedra between their nodes, on which "
+      "the\n"
+      "field is linear: how it curves between these is not in the bounds.\n\n"
       "Examples:\n  lode probe wing.lode --point 1,0.5,2 --point 3,0,0\n"
       "  lode probe wing.lode --points sensors.csv -o values.csv\n"
       "  lode probe wing.lode --line 0,0,0:10,0,0 --max-error 0.01\n"

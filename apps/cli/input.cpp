@@ -148,13 +148,15 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   app.add_option(
          "--with", arguments.with,
          "Of a mesh of cells: a further field, which the answer has, too; NAME:x, y or z is "
-         "a scalar of a vector, NAME:xyz all three, all: every other field of the points (of the "
-         "cells, where points have none; of a .lode file all it has); may be repeated")
+         "a scalar of a vector, NAME:xyz all three, all: every other field of the points, and "
+         "measured ones of cells (of a .lode file all it has); may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->group("Reading other formats");
-  add("--component", arguments.component, "N|x|y|z|magnitude",
-      "Which scalar of a vector, or channel, from 0 (default of meshes of cells: magnitude)");
+  add("--component", arguments.component, "N|x|y|z|magnitude|mises",
+      "Which scalar of a vector, or channel, from 0 (default of meshes of cells: magnitude, which "
+      "is of all components as they come); mises: von Mises' of a tensor of six, xx, yy and zz "
+      "first, or nine");
   add("--time", arguments.time, "N",
       "Time step, from 0; of a .lode file in order of time, for all fields alike (default: the "
       "first; of what lode-vtk-import reads, and of Gmsh's fields at several times: the last)");

@@ -20,14 +20,6 @@ Result<std::array<std::string, 2>> split_pair(std::string_view option, const std
   return std::array{text.substr(0, colon), text.substr(colon + 1)};
 }
 
-Result<Range> parse_range(const char* option, const std::string& text) {
-  LODE_TRY(const auto ends, split_pair(option, text, "two numbers as A:B"));
-  LODE_TRY(const double low, parse_number(option, ends[0]));
-  LODE_TRY(const double high, parse_number(option, ends[1]));
-  if (low > high) return fail("{}: expected A <= B, got '{}'", option, text);
-  return Range{low, high};
-}
-
 Result<Box3d> parse_box(const std::string& text) {
   LODE_TRY(const std::vector<double> n, parse_numbers("--box", text));
   if (n.size() != 6)
@@ -122,6 +114,14 @@ Result<void> check_surface_options(const ExtractionArguments& extraction, const 
 }
 
 }  // namespace
+
+Result<Range> parse_range(const char* option, const std::string& text) {
+  LODE_TRY(const auto ends, split_pair(option, text, "two numbers as A:B"));
+  LODE_TRY(const double low, parse_number(option, ends[0]));
+  LODE_TRY(const double high, parse_number(option, ends[1]));
+  if (low > high) return fail("{}: expected A <= B, got '{}'", option, text);
+  return Range{low, high};
+}
 
 void add_focus_options(CLI::App& app, QueryArguments& arguments) {
   const char* group = "Meshes and sections";

@@ -62,6 +62,8 @@ Json picture_json(const TetraPictureJob& job, const TetraInput& input, const Tet
   json["outputs"] = outputs_of(job);
   json["model"] = "tetra_mt";
   json["field"] = field.name;
+  json["color_by"] = job.picture.color_by.empty() ? Json(nullptr) : Json(job.picture.color_by);
+  json["color_range"] = {plan.shown.colors.low, plan.shown.colors.high};
   json["max_error"] = max_error_json(made.mesh.max_error);
   json["achieved_error"] = made.mesh.achieved_error;
   if (!job.picture.query.opacity.empty()) json["opacity"] = job.picture.query.opacity;
@@ -91,6 +93,10 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   Table table;
   table.add(
       {"field", fmt::format("{}, {}", field.name, format_range(field.range_min, field.range_max))});
+  if (!job.picture.color_by.empty())
+    table.add({"colours", fmt::format("{}, {} to {}", job.picture.color_by,
+                                      format_number(plan.shown.colors.low),
+                                      format_number(plan.shown.colors.high))});
   add_reading(input, table, outcome.json);
   table.add({"max error", describe_max_error(made.mesh.max_error)});
   table.add({"achieved error", format_number(made.mesh.achieved_error) + ' ' +
@@ -122,6 +128,34 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   return outcome;
 }
 
+/// That something is coloured by what is told, and not otherwise.
+Result<void> check_colors(const TetraPictureJob& job) {
+  const TetraPictureArguments& picture = job.picture;
+  const bool has_surfaces =
+      job.is_default() || picture.boundary == "field" || !picture.query.sections.empty();
+  const bool has_isosurfaces = !job.extraction.isovalues.empty();
+  if (!picture.color_by.empty() && !has_surfaces && !has_isosurfaces)
+    return fail("--color-by: expected --isovalue, --section or --boundary=field with it");
+  if (!picture.color_by.empty() && job.options.color)
+    return fail("--color-by: expected no --color with it, which isosurfaces cannot have, too");
+  if (picture.color_range.empty()) return {};
+  LODE_TRY(const Range range, parse_range("--color-range", picture.color_range));
+  if (!(range.low < range.high))
+    return fail("--color-range: expected a smaller and a larger value, got {}",
+                picture.color_range);
+  const std::string& opacity = picture.query.opacity;
+  if (picture.color_by.empty() && !opacity.empty() && !is_transfer_preset(opacity))
+    return fail(
+        "--color-range: expected a preset of --opacity with it, as a file has values of "
+        "its own, got {}",
+        opacity);
+  if (picture.color_by.empty() && !has_surfaces && opacity.empty())
+    return fail(
+        "--color-range: expected --section, --boundary=field, --opacity or --color-by with "
+        "it, whose colours it is of");
+  return {};
+}
+
 }  // namespace
 
 void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) {
@@ -148,6 +182,12 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   add("--legend", arguments.legend, "on|off",
       "A bar of the colours of the field, with values (default: on, in pictures of at least "
       "320x240 that have such colours)");
+  add("--color-by", arguments.color_by, "NAME",
+      "Isosurfaces, sections and the boundary have the colours of another field, of the same cells "
+      "(the .lode file must have been built --with it)");
+  add("--color-range", arguments.color_range, "A:B",
+      "Values of the first and the last colour (default: the range of the field, in which presets "
+      "of --opacity lie, too)");
   add_flag("--wireframe", arguments.has_wireframe, "Show all edges of the mesh");
   add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
   add_focus_options(app, arguments.query);
@@ -168,6 +208,7 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
     return fail("--boundary: expected film or field, got '{}'", boundary);
   if (job.options.color && plan.shown.isovalues.empty())
     return fail("--color: expected --isovalue with it, whose surfaces have it");
+  LODE_CHECK(check_colors(job));
   const std::string& legend = job.picture.legend;
   if (!legend.empty() && legend != "on" && legend != "off")
     return fail("--legend: expected on or off, got '{}'", legend);
@@ -184,8 +225,9 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
 Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) {
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   LODE_TRY(OutputFolder folder, OutputFolder::make(job.path.frames));
-  LODE_TRY(const TetraInput input,
-           open_tetra_input(job.input, reading_for(job.reading, job.query()), session));
+  LODE_TRY(
+      const TetraInput input,
+      open_tetra_input(job.input, reading_for(job.reading_with_colors(), job.query()), session));
   LODE_CHECK(check_space_errors(job.input, input.field(), job.query()));
   LODE_TRY(const std::vector<Camera> cameras, path_cameras(job, input.dataset.describe().bounds));
   LODE_TRY(const std::optional<Camera> camera, picture_camera(job, cameras));

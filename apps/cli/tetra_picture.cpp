@@ -54,9 +54,14 @@ Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
 }
 
 /// The field, and its time where it has one.
-std::string title_of(const TetraInput& input) {
-  const std::optional<double> time = input.time();
-  return input.field().name + (time ? fmt::format(" at {}", format_number(*time)) : "");
+std::string title_of(const TetraFieldInfo& field) {
+  return field.name + (field.time ? fmt::format(" at {}", format_number(*field.time)) : "");
+}
+
+/// The field whose colours are shown: the first of further ones, where one is asked for.
+const TetraFieldInfo& colored_field(const TetraPictureJob& job, const TetraInput& input) {
+  return job.picture.color_by.empty() ? input.field()
+                                      : input.dataset.describe().fields[input.fields.along.at(0)];
 }
 
 }  // namespace
@@ -74,14 +79,22 @@ Result<TetraPicturePlan> plan_picture(const TetraPictureJob& job, const TetraInp
   const TetraInfo& info = input.dataset.describe();
   TetraPicturePlan plan;
   LODE_TRY(plan.shown, to_picture(job));
-  plan.shown.colors = {input.field().range_min, input.field().range_max};
-  if (job.picture.legend != "off") plan.shown.legend = title_of(input);
+  const TetraFieldInfo& colored = colored_field(job, input);
+  plan.shown.colors = {colored.range_min, colored.range_max};
+  if (!job.picture.color_by.empty()) plan.shown.color_attribute = 0;
+  if (!job.picture.color_range.empty()) {
+    LODE_TRY(plan.shown.colors, parse_range("--color-range", job.picture.color_range));
+  }
+  if (job.picture.legend != "off") plan.shown.legend = title_of(colored);
   if (!job.picture.query.opacity.empty()) {
+    const Range range = job.picture.color_by.empty()
+                            ? plan.shown.colors
+                            : Range{input.field().range_min, input.field().range_max};
     LODE_TRY(plan.shown.opacity,
-             to_transfer_function(job.picture.query.opacity, info.bounds, plan.shown.colors));
-    if (plan.shown.colors.low == plan.shown.colors.high)
+             to_transfer_function(job.picture.query.opacity, info.bounds, range));
+    if (range.low == range.high)
       session.warn(fmt::format("the field has one value, {}: its volume has one colour, or none",
-                               format_number(plan.shown.colors.low)));
+                               format_number(range.low)));
   }
   LODE_TRY(plan.wanted, to_picture_query(job, camera, plan.shown));
   set_shares(job.extraction, job.picture.query, input.field(), plan.wanted.query);
@@ -109,7 +122,7 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraPicture
     warn(wanted.threshold ? "the picture is empty: no cell of the cut lies in the threshold"
                           : "the picture is empty: the mesh has no cell");
   LODE_TRY(const std::uint64_t n_inverted,
-           apply_warp(job.picture.query.warp, job.reading, session.threads(), mesh));
+           apply_warp(job.picture.query.warp, job.reading_with_colors(), session.threads(), mesh));
   warn(inverted_warning(n_inverted));
   LODE_TRY(made.image, draw_mesh(mesh, shown, made.picture, session.progress()));
   if (!made.picture.legend_fault.empty())

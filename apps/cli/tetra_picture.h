@@ -21,6 +21,8 @@ struct TetraPictureArguments {
   QueryArguments query;  ///< With sections, opacity and warp; neither --mesh nor --boundary.
   std::string boundary;  ///< "film", "field" or empty.
   std::string legend;    ///< "on", "off" or empty.
+  std::string color_by;  ///< A further field, or empty.
+  std::string color_range;
   bool has_wireframe = false;
   bool has_points = false;
 
@@ -29,7 +31,9 @@ struct TetraPictureArguments {
     return !query.opacity.empty() || !query.sections.empty() || !boundary.empty() ||
            has_wireframe || has_points;
   }
-  [[nodiscard]] bool is_empty() const { return !is_of_mesh() && query == QueryArguments(); }
+  [[nodiscard]] bool is_empty() const {
+    return !is_of_mesh() && query == QueryArguments() && color_by.empty() && color_range.empty();
+  }
 };
 
 /// The arguments of `lode render` for a mesh of cells.
@@ -48,6 +52,12 @@ struct TetraPictureJob {
   /// The boundary, coloured, if nothing else is asked for.
   [[nodiscard]] bool is_default() const {
     return extraction.isovalues.empty() && !picture.is_of_mesh();
+  }
+  /// With the field of colours before others.
+  [[nodiscard]] ReadingArguments reading_with_colors() const {
+    ReadingArguments arguments = reading;
+    if (!picture.color_by.empty()) arguments.with.insert(arguments.with.begin(), picture.color_by);
+    return arguments;
   }
   /// What is asked of the mesh, as typed.
   [[nodiscard]] QueryArguments query() const {

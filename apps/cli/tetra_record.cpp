@@ -6,6 +6,8 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace lode::cli {
 namespace {
@@ -18,7 +20,7 @@ struct CountName {
 };
 
 constexpr const char* kInverted = "inverted";
-constexpr std::array<CountName, 18> kCounts{
+constexpr std::array<CountName, 19> kCounts{
     {{"ghost_cells", "ghost cells left out", &TetraReport::n_ghost_cells},
      {"hidden_cells", "hidden cells left out", &TetraReport::n_hidden_cells},
      {"lower_cells", "points, lines and faces left out", &TetraReport::n_lower_cells},
@@ -30,8 +32,9 @@ constexpr std::array<CountName, 18> kCounts{
      {"unused_points", "unused points left out", &TetraReport::n_unused_points},
      {"coincident_points", "points at another's place", &TetraReport::n_coincident_points},
      {"new_points", "points within polyhedra and quadratic cells", &TetraReport::n_new_points},
+     {"quadratic", "quadratic cells, as between their nodes", &TetraReport::n_quadratic},
      {"reordered", "quadratic cells put in VTK's order", &TetraReport::n_reordered},
-     {"repeating", "cells with a corner twice left out", &TetraReport::n_repeating},
+     {"repeating", "tetrahedra with a corner twice left out", &TetraReport::n_repeating},
      {"zero_volume", "cells without volume", &TetraReport::n_zero_volume},
      {"left_handed", "left-handed cells turned", &TetraReport::n_left_handed},
      {"turned_wedges", "wedges turned", &TetraReport::n_turned_wedges},
@@ -42,6 +45,8 @@ constexpr const char* kNotTaken = "not taken for regions";
 constexpr const char* kSkipped = "arrays left out (texts, bits, or as told)";
 constexpr const char* kNonfinite = "values that are not finite";
 constexpr const char* kAveraged = "cells to points";
+constexpr const char* kLinearised = "nodes to corners";
+constexpr std::size_t kMostRegions = 10;  // that rows are worth
 
 std::string row_of(const NonfiniteField& field) {
   return fmt::format("{}: {}, the first at point {} from 0", field.name,
@@ -51,6 +56,20 @@ std::string row_of(const AveragedField& field) {
   return fmt::format("{}: {} to {} at cells, {} to {} at points", field.name,
                      format_number(field.cell_min), format_number(field.cell_max),
                      format_number(field.point_min), format_number(field.point_max));
+}
+
+std::string row_of(const AveragedField& field, const AveragedRegion& region) {
+  return fmt::format(
+      "{} in region {}{}: {} to {} at its cells, {} to {} at their points, to which "
+      "other regions add",
+      field.name, region.id, region.name.empty() ? "" : " (" + region.name + ')',
+      format_number(region.cell_min), format_number(region.cell_max),
+      format_number(region.point_min), format_number(region.point_max));
+}
+std::string row_of(const LinearisedField& field) {
+  return fmt::format("{}: {} to {} at nodes, {} to {} at the corners that are left", field.name,
+                     format_number(field.node_min), format_number(field.node_max),
+                     format_number(field.corner_min), format_number(field.corner_max));
 }
 
 void add_nonfinite(const TetraReport& report, Json& json) {
@@ -67,12 +86,45 @@ void add_nonfinite(const TetraReport& report, Json& json) {
 /// What means over cells did to the peaks of their fields.
 void add_averaged(const TetraReport& report, Json& json) {
   json["averaged"] = Json::array();
-  for (const AveragedField& field : report.averaged)
+  for (const AveragedField& field : report.averaged) {
+    Json regions = Json::array();
+    for (const AveragedRegion& region : field.regions)
+      regions.push_back({{"region", region.id},
+                         {"name", region.name},
+                         {"cell_min", region.cell_min},
+                         {"cell_max", region.cell_max},
+                         {"point_min", region.point_min},
+                         {"point_max", region.point_max}});
     json["averaged"].push_back({{"field", field.name},
                                 {"cell_min", field.cell_min},
                                 {"cell_max", field.cell_max},
                                 {"point_min", field.point_min},
-                                {"point_max", field.point_max}});
+                                {"point_max", field.point_max},
+                                {"mixed_regions", std::move(regions)}});
+  }
+}
+
+void add_linearised(const TetraReport& report, Json& json) {
+  json["linearised"] = Json::array();
+  for (const LinearisedField& field : report.linearised)
+    json["linearised"].push_back({{"field", field.name},
+                                  {"node_min", field.node_min},
+                                  {"node_max", field.node_max},
+                                  {"corner_min", field.corner_min},
+                                  {"corner_max", field.corner_max}});
+}
+
+void add_averaged_notes(const TetraReport& report, std::vector<TetraBuildRecord::Note>& notes) {
+  for (const AveragedField& field : report.averaged) {
+    notes.emplace_back(kAveraged, row_of(field));
+    const std::size_t n = std::min(field.regions.size(), kMostRegions);
+    for (std::size_t i = 0; i < n; ++i)
+      notes.emplace_back(kAveraged, row_of(field, field.regions[i]));
+    if (n < field.regions.size())
+      notes.emplace_back(kAveraged, fmt::format("{}: {} regions more have values of others at "
+                                                "their points",
+                                                field.name, field.regions.size() - n));
+  }
 }
 
 std::vector<TetraBuildRecord::Note> notes_of(const TetraReport& report) {
@@ -82,11 +134,19 @@ std::vector<TetraBuildRecord::Note> notes_of(const TetraReport& report) {
   for (const std::string& field : report.regions_not_taken) notes.emplace_back(kNotTaken, field);
   if (!report.skipped_arrays.empty())
     notes.emplace_back(kSkipped, fmt::format("{}", fmt::join(report.skipped_arrays, ", ")));
-  for (const AveragedField& field : report.averaged) notes.emplace_back(kAveraged, row_of(field));
+  for (TetraBuildRecord::Note& note : notes_of_fields(report)) notes.push_back(std::move(note));
   return notes;
 }
 
 }  // namespace
+
+std::vector<TetraBuildRecord::Note> notes_of_fields(const TetraReport& report) {
+  std::vector<TetraBuildRecord::Note> notes;
+  add_averaged_notes(report, notes);
+  for (const LinearisedField& field : report.linearised)
+    notes.emplace_back(kLinearised, row_of(field));
+  return notes;
+}
 
 void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
   for (const CountName& count : kCounts) {
@@ -98,6 +158,7 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
   json["regions_not_taken"] = report.regions_not_taken;
   json["skipped_arrays"] = report.skipped_arrays;
   add_averaged(report, json);
+  add_linearised(report, json);
   for (const auto& [name, text] : notes_of(report)) table.add({name, text});
 }
 

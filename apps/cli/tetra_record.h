@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "input.h"
 #include "lode/api/tetra_dataset.h"
 #include "text.h"
@@ -10,6 +12,8 @@ namespace lode::cli {
 
 /// What was made of the file's cells, as far as a user may wonder at it.
 void add_cell_counts(const TetraReport& report, Table& table, Json& json);
+/// Of that, what became of the values of its fields.
+[[nodiscard]] std::vector<TetraBuildRecord::Note> notes_of_fields(const TetraReport& report);
 /// The same, for the file that is built.
 void keep_reading(const TetraReport& report, TetraBuildOptions& options);
 /// The same, as it was kept.

@@ -57,9 +57,11 @@ void drop_unwanted(const WarpArguments& arguments, const ReadingArguments& readi
 }  // namespace
 
 void add_warp_options(CLI::App& app, WarpArguments& arguments) {
-  app.add_option("--warp", arguments.field,
-                 "Deform a mesh of cells by a vector; its .lode file must have been built --with "
-                 "NAME:x, NAME:y and NAME:z, or --with NAME:xyz")
+  app.add_option(
+         "--warp", arguments.field,
+         "Deform a mesh of cells by a vector; its .lode file must have been built --with "
+         "NAME:x, NAME:y and NAME:z, or --with NAME:xyz. Sections are cut before, --clip crops "
+         "what is deformed; how far the deformation itself may be off, --with NAME:xyz tells")
       ->type_name("NAME")
       ->group("Meshes of cells");
   app.add_option("--scale", arguments.scale, "With --warp: times this (default: 1)")

@@ -21,6 +21,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "exodus_elements.h"
+
 namespace lode::vtk_import {
 namespace {
 
@@ -36,6 +38,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 // Arrays are known, and can be chosen, once the reader has looked at the file.
 
 Reader exodus_reader(const std::string& path) {
+  check_exodus_elements(path);
   auto reader = vtkSmartPointer<vtkExodusIIReader>::New();
   reader->SetFileName(path.c_str());
   // Blocks keep the file's points: what lies between two of them conforms.

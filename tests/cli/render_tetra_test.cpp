@@ -122,6 +122,55 @@ TEST_F(cli_render_tetra, has_a_legend_where_colours_stand_for_values) {
   expect_refused({"--boundary", "--legend", "maybe"}, "--legend: expected on or off");
 }
 
+/// hexahedra() with a second field, twice x.
+std::string hexahedra_of_two_fields() {
+  std::string text = hexahedra() + "SCALARS ramp float\nLOOKUP_TABLE default\n";
+  for (int i = 0; i < 9 * 9 * 9; ++i) text += fmt::format("{}\n", 2 * (i % 9));
+  return text;
+}
+
+TEST_F(cli_render_tetra, may_have_the_colours_of_another_field) {
+  write_bytes(input_, hexahedra_of_two_fields());
+  const auto drawn = [&](const Words& options) {
+    Words words{"render", input_, output_, "--size", "90x70", "--max-error", "0"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return read_bytes(output_);
+  };
+  // Of cells as they are, what is cut or round them has the other field's colours whichever it is.
+  for (const Words& shown : {Words{"--boundary=field"}, {"--section", "0,0,1,3.5"}}) {
+    Words by = shown;
+    by.insert(by.end(), {"--field", "wave", "--color-by", "ramp"});
+    Words of = shown;
+    of.insert(of.end(), {"--field", "ramp"});
+    EXPECT_EQ(drawn(by), drawn(of)) << shown[0];
+    by.insert(by.end(), {"--color-range", "4:9"});
+    of.insert(of.end(), {"--color-range", "4:9"});
+    EXPECT_EQ(drawn(by), drawn(of)) << shown[0];
+  }
+  const Words surface{"--isovalue", "4.1", "--field", "wave"};
+  Words by = surface;
+  by.insert(by.end(), {"--color-by", "ramp"});
+  EXPECT_NE(drawn(by), drawn(surface));
+  const nlohmann::json json =
+      report({"--isovalue", "4.1", "--field", "wave", "--color-by", "ramp"});
+  EXPECT_EQ(json.at("color_by"), "ramp");
+  EXPECT_EQ(json.at("color_range"), nlohmann::json({0, 16}));
+}
+
+TEST_F(cli_render_tetra, of_colours_that_nothing_has_are_refused) {
+  write_bytes(input_, hexahedra_of_two_fields());
+  expect_refused({"--field", "wave", "--wireframe", "--color-by", "ramp"}, "--color-by: expected");
+  expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-by", "other"}, "other");
+  expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-by", "ramp", "--color", "red"},
+                 "--color-by: expected no --color");
+  expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-range", "1:2"},
+                 "--color-range: expected");
+  expect_refused({"--field", "wave", "--boundary=field", "--color-range", "2:2"},
+                 "--color-range: expected a smaller");
+}
+
 TEST_F(cli_render_tetra, is_fine_where_it_is_asked_to_be) {
   const auto cells = [&](const Words& foci) {
     Words words{"--boundary", "--max-error", "0"};

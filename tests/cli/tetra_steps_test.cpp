@@ -89,6 +89,57 @@ TEST_F(cli_mesh_fields, that_have_steps_get_no_step_without_a_time) {
   refused({"attach-field", scratch_ / "none.lode", first, all, "--field", "noise"}, "cannot open");
 }
 
+/// A mesh of two materials, by x, with a field of its cells: 1 and 200.
+void write_two_materials(const std::string& path) {
+  const TetraMesh noise = oracles::noise_mesh(5, oracles::Cut::in_six, 5);
+  std::ofstream file(path);
+  file << "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS "
+       << noise.positions.size() << " double\n";
+  for (const Vec3d& p : noise.positions) file << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+  const std::size_t n = noise.tetrahedra.size();
+  file << "CELLS " << n << ' ' << 5 * n << '\n';
+  std::string types;
+  std::string stresses;
+  std::string materials;
+  for (const auto& [a, b, c, d] : noise.tetrahedra) {
+    file << "4 " << a << ' ' << b << ' ' << c << ' ' << d << '\n';
+    const bool is_first = noise.positions[a][0] + noise.positions[b][0] + noise.positions[c][0] +
+                              noise.positions[d][0] <
+                          2 * noise.positions.back()[0];
+    types += "10\n";
+    stresses += is_first ? "1\n" : "200\n";
+    materials += is_first ? "1\n" : "2\n";
+  }
+  file << "CELL_TYPES " << n << '\n'
+       << types << "CELL_DATA " << n << "\nSCALARS stress double 1\nLOOKUP_TABLE default\n"
+       << stresses << "SCALARS again double 1\nLOOKUP_TABLE default\n"
+       << stresses << "SCALARS Material int 1\nLOOKUP_TABLE default\n"
+       << materials;
+}
+
+TEST_F(cli_mesh_fields, of_cells_say_what_averaging_did_when_built_and_when_attached) {
+  const std::string mesh = scratch_ / "two.vtk";
+  const std::string model = scratch_ / "two.lode";
+  const std::string all = scratch_ / "all.lode";
+  write_two_materials(mesh);
+  const nlohmann::json built = done({"build", mesh, model, "--field", "stress"});
+  const nlohmann::json& averaged = built.at("reading").at("averaged").at(0);
+  EXPECT_EQ(averaged.at("cell_max"), 200);
+  EXPECT_EQ(averaged.at("point_max"), 200);
+  ASSERT_EQ(averaged.at("mixed_regions").size(), 2U);
+  EXPECT_EQ(averaged.at("mixed_regions")[0].at("region"), 1);
+  EXPECT_EQ(averaged.at("mixed_regions")[0].at("cell_max"), 1);
+  EXPECT_GT(averaged.at("mixed_regions")[0].at("point_max"), 1);
+  const nlohmann::json attached = done({"attach-field", model, mesh, all, "--field", "again"});
+  ASSERT_EQ(attached.at("notes").size(), 3U);
+  const std::string note = attached.at("notes")[0].at("note");
+  EXPECT_NE(note.find("again: 1 to 200 at cells, 1 to 200 at points"), std::string::npos) << note;
+  const std::string kept = done({"info", all}).dump();
+  for (const char* name : {"stress", "again"})
+    EXPECT_NE(kept.find(std::string(name) + " in region 1: 1 to 1 at its cells"), std::string::npos)
+        << kept;
+}
+
 TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
   const std::string mesh = scratch_ / "steps.msh";
   const std::string model = scratch_ / "steps.lode";

@@ -183,6 +183,20 @@ TEST(medit_binary, meshes_and_solutions_are_those_of_text) {
     }
 }
 
+TEST(medit_mesh, of_higher_order_is_refused_or_faces_left_out_by_name) {
+  const TempDir directory;
+  const auto with = [&](const std::string& section) {
+    std::string text = mesh_text();
+    return directory.write("a.mesh", text.insert(text.find("End"), section));
+  };
+  test::expect_mesh_failure(with("TetrahedraP2\n1\n1 2 3 4 1 2 3 4 1 2 0\n"),
+                            {"expected cells of the first order, got 1 of tetrahedrap2"});
+  test::expect_mesh_failure(with("HexahedraQ2\n3\n"), {"got 3 of hexahedraq2"});
+  const CellMesh mesh = test::read_mesh(with("TrianglesP2\n1\n1 2 3 1 2 3 0\nPrismsP2\n0\n"));
+  EXPECT_EQ(mesh.n_cells(), 2U);
+  EXPECT_EQ(mesh.skipped_arrays, std::vector<std::string>{"1 trianglesp2"});
+}
+
 TEST(medit_solution, beside_a_mesh_gives_its_fields) {
   const TempDir directory;
   const std::string path = directory.write("a.mesh", mesh_text());

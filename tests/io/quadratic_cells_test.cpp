@@ -131,7 +131,8 @@ TEST(quadratic_cells, without_a_value_at_a_node_have_none_in_their_middle) {
   mesh.point_fields[0].values[3] = std::numeric_limits<double>::quiet_NaN();
   const TetrahedraOutcome outcome = tetrahedra_of(mesh);
   ASSERT_EQ(outcome.report.nonfinite.size(), 1U);
-  EXPECT_EQ(outcome.report.nonfinite[0].n_values, 2U);
+  EXPECT_EQ(outcome.report.nonfinite[0].n_values, 1U);  // of the file's
+  EXPECT_EQ(outcome.report.nonfinite[0].first, 3U);
 }
 
 TEST(quadratic_cells, bent_beyond_their_middle_are_split_round_another_point_or_refused) {
@@ -277,6 +278,8 @@ TEST_P(quadratic_mixtures, are_the_linear_ones_when_linearised) {
 INSTANTIATE_TEST_SUITE_P(seeds, quadratic_mixtures,
                          testing::Range(std::uint64_t{1}, std::uint64_t{7}));
 
+const std::array<Vec3d, 4> kFarCorners = {{{{9, 9, 9}}, {{10, 9, 9}}, {{9, 10, 9}}, {{9, 9, 10}}}};
+
 /// A pyramid and a tetrahedron on one of its sides.
 CellMesh pyramid_and_tetrahedron() {
   CellMesh mesh = linear_cell(shapes()[2]);
@@ -293,7 +296,7 @@ TEST(quadratic_neighbours, of_pyramids_may_be_tetrahedra) {
   EXPECT_EQ(outcome.report.n_boundary_faces, 3U * 4 + 6 + 3 * 4);
 }
 
-TEST(quadratic_neighbours, that_have_other_nodes_are_refused_unless_linearised) {
+TEST(quadratic_neighbours, that_have_no_nodes_are_refused_unless_linearised) {
   const CellMesh linear = pyramid_and_tetrahedron();
   CellMesh mesh = quadratic_of(linear, false, 0);
   // The tetrahedron is its corners.
@@ -303,6 +306,31 @@ TEST(quadratic_neighbours, that_have_other_nodes_are_refused_unless_linearised) 
   expect_no_tetrahedra(mesh,
                        {"got 3 edges", "the first between points 1 and 2", "--linearise corners"});
   EXPECT_EQ(tetrahedra_of(mesh, {.quadratic = QuadraticCells::corners}).report.n_components, 1U);
+}
+
+TEST(quadratic_neighbours, that_have_nodes_of_their_own_are_refused_unless_welded) {
+  CellMesh mesh = quadratic_of(pyramid_and_tetrahedron(), false, 0);
+  // The tetrahedron's node between points 1 and 2 is another at the same place.
+  const std::size_t at = static_cast<std::size_t>(mesh.begins[1]) + 4;
+  mesh.points.push_back(mesh.points[mesh.corners[at]]);
+  mesh.point_fields[0].values.push_back(mesh.point_fields[0].values[mesh.corners[at]]);
+  mesh.corners[at] = static_cast<std::uint32_t>(mesh.points.size() - 1);
+  expect_no_tetrahedra(mesh, {"got 1 edges", "between points 1 and 2", "--weld 0"});
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh, {.weld_distance = 0});
+  EXPECT_EQ(outcome.report.n_components, 1U);
+  EXPECT_EQ(outcome.report.n_welded_points, 1U);
+}
+
+TEST(quadratic_neighbours, may_all_lack_a_node_but_not_some_of_them) {
+  CellMesh mesh = quadratic_of(pyramid_and_tetrahedron(), false, 0);
+  // A corner in place of the node between points 1 and 2, as some programs have it.
+  mesh.corners[static_cast<std::size_t>(mesh.begins[1]) + 4] = 1;
+  expect_no_tetrahedra(mesh, {"got 1 edges", "between points 1 and 2"});
+  mesh.corners[6] = 1;
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+  EXPECT_EQ(outcome.report.n_components, 1U);
+  EXPECT_GT(outcome.report.n_repeating, 0U);
+  EXPECT_NEAR(test::total_volume(outcome.mesh), 1.0 / 3 + 1.0 / 4, 1e-14);
 }
 
 TEST(quadratic_neighbours, of_which_one_has_a_node_in_the_face_are_refused) {
@@ -317,13 +345,43 @@ TEST(quadratic_neighbours, of_which_one_has_a_node_in_the_face_are_refused) {
   expect_no_tetrahedra(mesh, {"got 1 faces", "points 4, 5, 6, 7", "--linearise corners"});
 }
 
-TEST(quadratic_neighbours, that_are_polyhedra_are_refused) {
+TEST(quadratic_neighbours, whose_face_meets_two_triangles_are_refused) {
+  CellMesh linear = linear_cell(shapes()[0]);
+  linear.points.push_back({{0.5, 0.5, 2}});
+  add_cell(linear, CellType::tetrahedron, {4, 5, 6, 8});
+  add_cell(linear, CellType::tetrahedron, {4, 6, 7, 8});
+  expect_no_tetrahedra(quadratic_of(linear, false, 0),
+                       {"of which two corners are another cell's edge", "points 4 and 6"});
+}
+
+TEST(quadratic_neighbours, of_polyhedra_may_be_elsewhere_alone) {
   CellMesh mesh = test::empty_cells();
   mesh.points = quadratic_mesh().points;
   mesh.points.push_back({{1, 1, 3}});
-  test::add_polyhedron(mesh, {{1, 2, 3}, {1, 2, 10}, {2, 3, 10}, {3, 1, 10}});
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  for (const Vec3d& p : kFarCorners) mesh.points.push_back(p);
   add_cell(mesh, CellType::quadratic_tetrahedron, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
-  expect_no_tetrahedra(mesh, {"without polyhedra", "got 1 and 1", "--linearise corners"});
+  test::add_polyhedron(mesh, {{first, first + 1, first + 2},
+                              {first, first + 1, first + 3},
+                              {first + 1, first + 2, first + 3},
+                              {first + 2, first, first + 3}});
+  EXPECT_EQ(tetrahedra_of(mesh).report.n_components, 2U);
+  test::add_polyhedron(mesh, {{1, 2, 3}, {1, 2, 10}, {2, 3, 10}, {3, 1, 10}});
+  expect_no_tetrahedra(mesh, {"do not touch polyhedra", "got 1 that do", "--linearise corners"});
+}
+
+TEST(quadratic_cells, that_lose_peaks_when_linearised_say_so) {
+  CellMesh mesh = straight_cell(shapes()[0], false, rising);
+  for (double& value : mesh.point_fields[0].values) value = 1;
+  mesh.point_fields[0].values[12] = 100;
+  const auto report = tetrahedra_of(mesh, {.quadratic = QuadraticCells::corners}).report;
+  ASSERT_EQ(report.linearised.size(), 1U);
+  EXPECT_EQ(report.linearised[0].name, "f");
+  EXPECT_EQ(report.linearised[0].node_max, 100);
+  EXPECT_EQ(report.linearised[0].corner_max, 1);
+  mesh.point_fields[0].values[12] = 1;
+  EXPECT_TRUE(
+      tetrahedra_of(mesh, {.quadratic = QuadraticCells::corners}).report.linearised.empty());
 }
 
 }  // namespace

@@ -206,5 +206,66 @@ TEST(tetra_orientation, is_exact_where_double_is_not) {
   }
 }
 
+TEST(tetra_fields, of_cells_say_where_other_regions_have_a_share_in_them) {
+  const TetrahedraOutcome outcome = tetrahedra_of(field_mesh(), {.fields = {"p"}});
+  const AveragedField& p = outcome.report.averaged.at(0);
+  // -1 at the points that both share; region -2 has a cell of -4, region 7 one of 8.
+  ASSERT_EQ(p.regions.size(), 2U);
+  EXPECT_EQ(p.regions[0].id, -2);
+  EXPECT_EQ(p.regions[0].cell_min, -4);
+  EXPECT_EQ(p.regions[0].cell_max, -4);
+  EXPECT_EQ(p.regions[0].point_min, -4);
+  EXPECT_NEAR(p.regions[0].point_max, -1, 1e-14);
+  EXPECT_EQ(p.regions[1].id, 7);
+  EXPECT_EQ(p.regions[1].cell_min, 8);
+  EXPECT_NEAR(p.regions[1].point_min, -1, 1e-14);
+  CellMesh apart = field_mesh();
+  apart.cell_fields[1].values = {7, 7};
+  EXPECT_TRUE(tetrahedra_of(apart, {.fields = {"p"}}).report.averaged.at(0).regions.empty());
+}
+
+TEST(tetra_fields, of_cells_have_no_mean_beyond_what_they_are_means_of) {
+  oracles::Random random(5);
+  CellMesh mesh = field_mesh();
+  mesh.cell_fields[0].values = {0.1, 0.1};
+  for (int i = 0; i < 200; ++i) {
+    for (Vec3d& p : mesh.points)
+      for (double& x : p.v) x += random.uniform(-1e-3, 1e-3);
+    const TetraMesh made = tetrahedra_of(mesh, {.fields = {"p"}}).mesh;
+    for (const double value : made.fields[0].values) ASSERT_EQ(value, 0.1);
+  }
+}
+
+TEST(tetra_fields, of_tensors_have_von_mises_scalar) {
+  CellMesh mesh = field_mesh();
+  // Simple tension, pure shear, the same in all directions, and one of no symmetry.
+  mesh.point_fields = {{"S", ScalarType::float64, 6, {}}, {"T", ScalarType::float64, 9, {}}};
+  const std::vector<std::array<double, 6>> tensors = {{5, 0, 0, 0, 0, 0},
+                                                      {0, 0, 0, 2, 0, 0},
+                                                      {3, 3, 3, 0, 0, 0},
+                                                      {1, 2, 4, 3, 5, 6},
+                                                      {0, 0, -7, 0, 0, 0}};
+  for (const auto& [xx, yy, zz, xy, yz, xz] : tensors) {
+    for (const double c : {xx, yy, zz, xy, yz, xz}) mesh.point_fields[0].values.push_back(c);
+    for (const double c : {xx, xy + 1, xz, xy - 1, yy, yz, xz, yz, zz})
+      mesh.point_fields[1].values.push_back(c);
+  }
+  const double root3 = std::sqrt(3.0);
+  const std::vector<double> expected = {5, 2 * root3, 0, std::sqrt(7 + 3.0 * (9 + 25 + 36)), 7};
+  for (const char* name : {"S:mises", "T:mises"}) {
+    const TetraMesh made = tetrahedra_of(mesh, {.fields = {name}}).mesh;
+    EXPECT_EQ(made.fields[0].name, name);
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(made.fields[0].values[i], expected[i], 1e-14);
+  }
+  expect_no_tetrahedra(field_mesh(), {"6 or 9 components", "'v:mises'", "got 3"},
+                       {.fields = {"v:mises"}});
+}
+
+TEST(tetra_fields, of_all_kinds_are_measured_ones_of_cells_too) {
+  const TetraMesh made = tetrahedra_of(field_mesh(), {.fields = {"t"}, .has_all = true}).mesh;
+  EXPECT_EQ(names_of(made),
+            (std::vector<std::string>{"t", "v:0", "v:1", "v:2", "a:1", "p", "zones"}));
+}
+
 }  // namespace
 }  // namespace lode::io

@@ -1,6 +1,6 @@
 """Makes the small files that tests of lode-vtk-import read, one of each format.
 
-make_fixtures.py FOLDER NAME...  writes those of blocks.e (by VTK), ensight.case, foam, plot3d.xyz
+make_fixtures.py FOLDER NAME...  writes those of blocks.e (by VTK), elements.e, ensight.case, foam, plot3d.xyz
                                  (with .q) and blocks.cgns (out of blocks.cgns.gz, see make_cgns.c),
                                  and for any other name, by VTK, lz4.vtu, lzma.vts, parts.pvtu,
                                  parts.pvts and blocks.vtm
@@ -181,6 +181,26 @@ def write_plot3d(folder):
             file.write(data)
 
 
+def netcdf_text(text):
+    """As classic netCDF has names: a length, then bytes to a multiple of 4."""
+    data = text.encode("ascii")
+    return struct.pack(">i", len(data)) + data + bytes(-len(data) % 4)
+
+
+def write_elements(folder):
+    """Exodus II of one block of two elements TETRA14, as far as that is told without nodes."""
+    dimensions = (("num_el_blk", 1), ("num_el_in_blk1", 2), ("num_nod_per_el1", 14))
+    head = b"CDF\x01" + struct.pack(">3i", 0, 10, len(dimensions))
+    for name, length in dimensions:
+        head += netcdf_text(name) + struct.pack(">i", length)
+    head += struct.pack(">4i", 0, 0, 11, 1) + netcdf_text("connect1") + struct.pack(">3i", 2, 1, 2)
+    head += struct.pack(">2i", 12, 1) + netcdf_text("elem_type") + struct.pack(">i", 2)
+    head += netcdf_text("TETRA14") + struct.pack(">2i", 4, 4 * 28)
+    with open(os.path.join(folder, "elements.e"), "wb") as file:
+        file.write(head + struct.pack(">i", len(head) + 4))
+        file.write(struct.pack(">28i", *range(1, 29)))
+
+
 def write_exodus(folder):
     """Two blocks of ids 10 and 20 that share points, two steps; VTK writes it."""
     from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
@@ -326,7 +346,7 @@ def write_cgns(folder):
             file.write(packed.read())
 
 
-WRITERS = {"blocks.e": write_exodus, "ensight.case": write_ensight, "foam": write_foam,
+WRITERS = {"blocks.e": write_exodus, "elements.e": write_elements, "ensight.case": write_ensight, "foam": write_foam,
            "plot3d.xyz": write_plot3d, "blocks.cgns": write_cgns}
 
 if __name__ == "__main__":

@@ -44,6 +44,7 @@ namespace lode {
 
 // The door's part of io, documented there. That of render is in this namespace already.
 using io::AveragedField;
+using io::AveragedRegion;
 using io::ByteOrder;
 using io::can_hold_isovalues;
 using io::can_hold_lines;
@@ -70,6 +71,7 @@ using io::is_height_path;
 using io::is_point_path;
 using io::is_polygon_path;
 using io::is_volume_path;
+using io::LinearisedField;
 using io::Magnitude;
 using io::MeshReadOptions;
 using io::MeshWriteOptions;

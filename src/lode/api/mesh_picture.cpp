@@ -25,9 +25,39 @@ Vec3d middle_of(const Box3d& box) { return box.lower * 0.5 + box.upper * 0.5; }
 
 /// Of a place that is coloured by value.
 Vec3f value_color(const MeshPictureOptions& options, double value) {
-  if (options.opacity) return to_vec3f(options.opacity->at(value).color);
+  if (options.opacity && !options.color_attribute)
+    return to_vec3f(options.opacity->at(value).color);
   const double width = options.colors.high - options.colors.low;
   return to_linear(sequential_color(width > 0 ? (value - options.colors.low) / width : 0.5));
+}
+
+/// What a part of the picture is coloured by.
+const std::vector<double>& coloring_values(const Surface& part, const MeshPictureOptions& options) {
+  return options.color_attribute ? part.attributes.at(*options.color_attribute).values
+                                 : part.values;
+}
+
+/// Colours of a field from the least to the largest value.
+std::vector<Vec3f> ramp_of(const MeshPictureOptions& options) {
+  constexpr int kSteps = 4096;
+  std::vector<Vec3f> ramp;
+  ramp.reserve(kSteps + 1);
+  const double width = options.colors.high - options.colors.low;
+  for (int i = 0; i <= kSteps; ++i)
+    ramp.push_back(value_color(options, options.colors.low + width * i / kSteps));
+  return ramp;
+}
+
+/// Gives vertices from `first` on the colours of values.
+void put_levels(const std::vector<double>& values, std::size_t first,
+                const MeshPictureOptions& options, SurfaceColors& colors) {
+  if (colors.ramp.empty()) colors.ramp = ramp_of(options);
+  colors.levels.resize(first, -1);
+  const double width = options.colors.high - options.colors.low;
+  for (const double value : values)
+    colors.levels.push_back(
+        width > 0 ? static_cast<float>(std::clamp((value - options.colors.low) / width, 0.0, 1.0))
+                  : 0.5F);
 }
 
 void add_isosurfaces(const SimplexMesh& mesh, const MeshPictureOptions& options,
@@ -43,32 +73,17 @@ void add_isosurfaces(const SimplexMesh& mesh, const MeshPictureOptions& options,
   }
   report.n_triangles = surface.triangles.size();
   opaque.colors = color_surface(surface, options.render.color, options.render.threads);
-}
-
-/// Colours of a field from the least to the largest value.
-std::vector<Vec3f> ramp_of(const MeshPictureOptions& options) {
-  constexpr int kSteps = 4096;
-  std::vector<Vec3f> ramp;
-  ramp.reserve(kSteps + 1);
-  const double width = options.colors.high - options.colors.low;
-  for (int i = 0; i <= kSteps; ++i)
-    ramp.push_back(value_color(options, options.colors.low + width * i / kSteps));
-  return ramp;
+  if (options.color_attribute && !surface.attributes.empty())
+    put_levels(coloring_values(surface, options), 0, options, opaque.colors);
+  surface.attributes.clear();
 }
 
 /// Adds triangles that have the colours of their values.
 void add_colored(const Surface& part, const MeshPictureOptions& options, OpaqueSurface& opaque) {
   Surface& all = opaque.surface;
-  SurfaceColors& colors = opaque.colors;
-  if (colors.ramp.empty()) colors.ramp = ramp_of(options);
-  colors.levels.resize(all.positions.size(), -1);
   const auto first = static_cast<std::uint32_t>(all.positions.size());
+  put_levels(coloring_values(part, options), first, options, opaque.colors);
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
-  const double width = options.colors.high - options.colors.low;
-  for (const double value : part.values)
-    colors.levels.push_back(
-        width > 0 ? static_cast<float>(std::clamp((value - options.colors.low) / width, 0.0, 1.0))
-                  : 0.5F);
   for (const auto& [a, b, c] : part.triangles)
     all.triangles.push_back({first + a, first + b, first + c});
 }
@@ -88,6 +103,8 @@ void add_boundary(const SimplexMesh& mesh, const MeshPictureOptions& options,
   for (const std::uint32_t v : split_at_creases(boundary.positions, kCrease, boundary.triangles)) {
     boundary.positions.push_back(Vec3f(boundary.positions[v]));
     boundary.values.push_back(double{boundary.values[v]});
+    for (Attribute& attribute : boundary.attributes)
+      attribute.values.push_back(double{attribute.values[v]});
   }
   add_colored(boundary, options, opaque);
 }
@@ -126,7 +143,9 @@ void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, Opaqu
 
 /// Of colours by value, where there are some; of an empty mesh there are none.
 Result<void> add_legend(const MeshPictureOptions& options, bool is_empty, Image& image) {
-  const bool has_colors = options.has_boundary || !options.sections.empty() || options.opacity;
+  const bool has_colors =
+      options.has_boundary || !options.sections.empty() ||
+      (options.color_attribute ? !options.isovalues.empty() : options.opacity.has_value());
   if (options.legend.empty() || !has_colors || is_empty) return {};
   return draw_legend({.title = options.legend,
                       .low = options.colors.low,

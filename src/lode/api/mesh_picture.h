@@ -25,7 +25,11 @@ struct MeshPictureOptions {
   bool has_points = false;      ///< All its vertices, as dots so wide.
   bool has_boundary = false;    ///< Opaque, coloured by value as sections are.
   double boundary_opacity = 0;  ///< 0..1; see VolumePicture.
-  /// Of what is coloured by value, without opacity: values of the darkest and lightest colour.
+  /// Place of a further field among the mesh's attributes: sections, boundary and isosurfaces have
+  /// its colours. Unset: sections and boundary have those of the field.
+  std::optional<std::size_t> color_attribute{};
+  /// Of what is coloured by value, unless opacity has colours for the field: values of the darkest
+  /// and lightest colour; what is beyond has these.
   Range colors{0, 1};
   /// The title of a legend of what is coloured by value, if anything is; empty: none.
   std::string legend;
@@ -55,7 +59,7 @@ struct MeshPictureReport {
 [[nodiscard]] Query query_of(const MeshPictureOptions& options);
 
 /// Draws a mesh; see render_volume(). Without a camera a three-quarter view of all of it, whatever
-/// is shown. Isosurfaces have render.color or distinct colours.
+/// is shown. Isosurfaces have render.color or distinct colours, unless they are coloured by value.
 [[nodiscard]] Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& options,
                                       MeshPictureReport& report, Progress& progress);
 

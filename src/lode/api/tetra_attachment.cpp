@@ -73,6 +73,7 @@ Result<TetraAttachReport> attach_all(const NextTetraStep& next, Appender& append
     if (!attached && progress.is_cancelled()) return attached.error();
     if (!attached) return fail("{}: {}", step->source, attached.error().message);
     report.n_attached += step->mesh.fields.size();
+    appender.add_notes(step->notes);
   }
   report.info = info_of(appender.head());
   LODE_TRY(report.file_bytes, appender.finish(progress));

@@ -17,6 +17,8 @@ struct TetraStep {
   TetraMesh mesh;
   std::optional<double> time{};
   std::string source;  ///< For messages.
+  /// What is said of how its fields were read: kept with what the file says of the mesh.
+  std::vector<TetraBuildRecord::Note> notes{};
 };
 
 struct TetraAttachReport {

@@ -3,6 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+
+#include "lode/core/cell_mesh.h"
 
 namespace lode::io {
 
@@ -52,5 +55,10 @@ constexpr std::array<Edge, 12> kVoxelEdges = {{{0, 1},
                                                {1, 5},
                                                {3, 7},
                                                {2, 6}}};
+
+/// Of solid types with corners and edges that are known, linear or quadratic; none of others.
+[[nodiscard]] std::span<const Edge> edges_of(CellType type);
+/// Of those.
+[[nodiscard]] std::size_t n_corners_of(CellType type);
 
 }  // namespace lode::io

@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "lode/core/cell_mesh.h"
-#include "lode/core/result.h"
 
 namespace lode::io {
 
@@ -22,8 +21,5 @@ void linearise(CellMesh& mesh);
 
 /// Whether linearise() makes something of a type.
 [[nodiscard]] bool can_linearise(std::uint8_t type);
-
-/// Fails where solid cells share the corners of an edge or face, but not a node in its middle.
-[[nodiscard]] Result<void> check_shared_nodes(const CellMesh& mesh);
 
 }  // namespace lode::io

@@ -221,7 +221,7 @@ std::vector<std::string> names_of_scalars(const std::string& first_field,
   for (const ArrayOfFields& array : arrays_of_fields(first_field, attributes)) {
     if (array.fields.size() != 3) continue;
     for (std::size_t i = 0; i < 3; ++i)
-      names[static_cast<std::size_t>(array.fields[i] + 1)] =
+      names[static_cast<std::size_t>(array.fields[i]) + 1] =
           fmt::format("{}_{}", vtk_array_name(array.name), "xyz"[i]);
   }
   return names;

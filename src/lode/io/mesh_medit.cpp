@@ -1,7 +1,9 @@
 #include "lode/io/mesh_medit.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
 #include <string_view>
 
 #include "lode/io/mesh_checks.h"
@@ -31,6 +33,31 @@ constexpr auto kMostThings = static_cast<std::int64_t>(kMaxMeshCount);
 Result<std::int64_t> medit_reference(MeditInput& input) {
   using Limits = std::numeric_limits<std::int32_t>;
   return input.whole("a reference", Limits::min(), Limits::max());
+}
+
+/// Whether a keyword is that of cells of an order above the first, as tetrahedrap2; of dimension 3
+/// only, or of any.
+bool is_of_higher_order(std::string_view keyword, bool is_solid) {
+  constexpr std::array<std::string_view, 4> kSolid = {"tetrahedra", "hexahedra", "prisms",
+                                                      "pyramids"};
+  constexpr std::array<std::string_view, 3> kOther = {"edges", "triangles", "quadrilaterals"};
+  const auto is_it = [&](std::string_view name) {
+    return keyword.size() == name.size() + 2 && keyword.starts_with(name) &&
+           (keyword[name.size()] == 'p' || keyword[name.size()] == 'q') && keyword.back() > '1' &&
+           keyword.back() <= '9';
+  };
+  return std::ranges::any_of(kSolid, is_it) || (!is_solid && std::ranges::any_of(kOther, is_it));
+}
+
+/// Solid ones are refused, as their nodes have no order that all programs agree on; faces and edges
+/// are listed as left out.
+Result<void> pass_over_higher_order(const std::string& keyword, MeditInput& input, CellMesh& mesh) {
+  LODE_TRY(const std::int64_t n, input.whole("a number of cells", 0, kMostThings));
+  if (n == 0) return {};
+  if (is_of_higher_order(keyword, true))
+    return fail("{}: expected cells of the first order, got {} of {}", input.path(), n, keyword);
+  mesh.skipped_arrays.push_back(fmt::format("{} {}", n, keyword));
+  return {};
 }
 
 Result<void> read_vertices(MeditInput& input, CellMesh& mesh) {
@@ -79,6 +106,8 @@ Result<CellMesh> read_medit_mesh(const std::string& path, const MeshReadOptions&
       LODE_CHECK(read_vertices(input, mesh));
       before = keyword;
     }
+    if (is_of_higher_order(keyword, false))
+      LODE_CHECK(pass_over_higher_order(keyword, input, mesh));
     for (const MeditKind& kind : kMeditKinds)
       if (keyword == kind.keyword) {
         LODE_CHECK(read_medit_cells(input, kind, mesh));

@@ -12,7 +12,7 @@ namespace lode::io {
 namespace {
 
 /// Keywords that Lode knows, by their numbers in binary files (libMeshb).
-constexpr std::array<std::pair<std::int64_t, std::string_view>, 17> kCodes{
+constexpr std::array<std::pair<std::int64_t, std::string_view>, 24> kCodes{
     {{3, "dimension"},
      {4, "vertices"},
      {5, "edges"},
@@ -21,6 +21,11 @@ constexpr std::array<std::pair<std::int64_t, std::string_view>, 17> kCodes{
      {8, "tetrahedra"},
      {9, "prisms"},
      {10, "hexahedra"},
+     {24, "trianglesp2"},
+     {25, "edgesp2"},
+     {27, "quadrilateralsq2"},
+     {30, "tetrahedrap2"},
+     {33, "hexahedraq2"},
      {49, "pyramids"},
      {54, "end"},
      {62, "solatvertices"},
@@ -29,7 +34,9 @@ constexpr std::array<std::pair<std::int64_t, std::string_view>, 17> kCodes{
      {65, "solatquadrilaterals"},
      {66, "solattetrahedra"},
      {67, "solatprisms"},
-     {68, "solathexahedra"}}};
+     {68, "solathexahedra"},
+     {86, "prismsp2"},
+     {87, "pyramidsp2"}}};
 
 constexpr std::string_view kLittle("\x01\0\0\0", 4);
 constexpr std::string_view kBig("\0\0\0\x01", 4);

@@ -1,6 +1,7 @@
 # Reading and writing unstructured meshes, and making tetrahedra of them; included by CMakeLists.txt beside it.
 set(IO_MESH_SOURCES
   boundary_patches.cpp
+  cell_shapes.cpp
   cell_types.cpp
   grid_pieces.cpp
   higher_order_cells.cpp
@@ -32,6 +33,7 @@ set(IO_MESH_SOURCES
   polyhedron_centre.cpp
   polyhedron_faces.cpp
   quadratic_cells.cpp
+  shared_nodes.cpp
   split_cells.cpp
   tetra_faces.cpp
   tetra_fields.cpp

@@ -107,14 +107,28 @@ void add_fan(const Outline& outline, std::uint32_t centre, std::vector<Triangle>
   }
 }
 
-void add_face(const Outline& outline, std::vector<Triangle>& triangles) {
+double squared_length(const CellMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  const Vec3d edge = mesh.points[a] - mesh.points[b];
+  return dot(edge, edge);
+}
+
+/// Where a fan of the triangles between middles begins: of four at an end of the shorter diagonal,
+/// of equally short ones that of the smallest point.
+std::size_t first_middle(const CellMesh& mesh, const Outline& outline) {
+  if (outline.n < 4) return 0;
+  const auto& m = outline.middles;
+  const auto key = [&](std::size_t i) {
+    return std::pair(squared_length(mesh, m[i], m[i + 2]), std::min(m[i], m[i + 2]));
+  };
+  return key(0) < key(1) ? 0 : 1;
+}
+
+void add_face(const CellMesh& mesh, const Outline& outline, std::vector<Triangle>& triangles) {
   const std::size_t n = outline.n;
   if (n < 3) return;
   for (std::size_t i = 0; i < n; ++i)
     triangles.push_back({outline.corners[i], outline.middles[i], outline.middles[(i + n - 1) % n]});
-  const auto begin = outline.middles.begin();
-  const auto first = static_cast<std::size_t>(
-      std::min_element(begin, begin + static_cast<std::ptrdiff_t>(n)) - begin);
+  const std::size_t first = first_middle(mesh, outline);
   for (std::size_t i = 1; i + 1 < n; ++i)
     triangles.push_back({outline.middles[first], outline.middles[(first + i) % n],
                          outline.middles[(first + i + 1) % n]});
@@ -152,7 +166,13 @@ std::optional<QuadraticShape> quadratic_shape(const CellMesh& mesh, std::size_t 
   }
 }
 
-std::vector<Triangle> quadratic_triangles(const QuadraticShape& shape, Nodes nodes) {
+bool is_quadratic(const CellMesh& mesh, std::size_t cell) {
+  return static_cast<CellType>(mesh.types[cell]) == CellType::quadratic_tetrahedron ||
+         quadratic_shape(mesh, cell).has_value();
+}
+
+std::vector<Triangle> quadratic_triangles(const CellMesh& mesh, const QuadraticShape& shape,
+                                          Nodes nodes) {
   std::vector<Triangle> triangles;
   constexpr std::size_t kMost = 48;
   triangles.reserve(kMost);
@@ -161,7 +181,7 @@ std::vector<Triangle> quadratic_triangles(const QuadraticShape& shape, Nodes nod
     if (face.centre)
       add_fan(outline, nodes[*face.centre], triangles);
     else
-      add_face(outline, triangles);
+      add_face(mesh, outline, triangles);
   }
   return triangles;
 }

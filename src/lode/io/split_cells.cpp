@@ -188,7 +188,7 @@ Result<void> split_polyhedron(const CellMesh& mesh, std::size_t cell, SplitCells
 Result<void> split_quadratic_cell(const QuadraticShape& shape, const CellMesh& mesh,
                                   std::size_t cell, SplitCells& split, Unseen& unseen) {
   const Corners nodes = mesh.corners_of(cell);
-  const std::vector<Triangle> triangles = quadratic_triangles(shape, nodes);
+  const std::vector<Triangle> triangles = quadratic_triangles(mesh, shape, nodes);
   if (!shape.centre)
     return split_round(quadratic_centre(mesh, cell, triangles), triangles, mesh, cell, split,
                        unseen);

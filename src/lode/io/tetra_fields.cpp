@@ -1,8 +1,10 @@
 #include "lode/io/tetra_fields.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,7 +30,12 @@ struct FieldChoice {
   bool is_of_cells = false;
   std::optional<int> component;  ///< None: the value, or the magnitude.
   std::string name;
+  bool is_mises = false;  ///< Von Mises' scalar of a symmetric tensor.
 };
+
+constexpr int kSymmetric = 6;  ///< Components: xx, yy, zz, and three others.
+constexpr int kTensor = 9;     ///< By rows.
+constexpr std::string_view kMises = ":mises";
 
 /// The field that has just this name; none where there is none.
 FieldChoice choice_named(const CellMesh& mesh, const std::string& name) {
@@ -56,6 +63,16 @@ Result<FieldChoice> parse_choice(const CellMesh& mesh, const std::string& text) 
   // A name may itself have a colon.
   FieldChoice choice = choice_named(mesh, text);
   if (choice.field != nullptr) return choice;
+  if (text.ends_with(kMises)) {
+    choice = choice_named(mesh, text.substr(0, text.size() - kMises.size()));
+    choice.name = text;
+    choice.is_mises = true;
+    if (choice.field != nullptr && choice.field->n_components != kSymmetric &&
+        choice.field->n_components != kTensor)
+      return fail("{}: expected a tensor of 6 or 9 components for {}, got {}", mesh.path,
+                  in_quotes(text), choice.field->n_components);
+    if (choice.field != nullptr) return choice;
+  }
   const std::size_t colon = text.rfind(':');
   const std::optional<std::int64_t> component =
       colon == std::string::npos ? std::nullopt : to_int64(text.substr(colon + 1));
@@ -90,11 +107,25 @@ Result<std::vector<FieldChoice>> all_choices(const CellMesh& mesh, const TetraOp
   return choices;
 }
 
-/// What all_choices() has that is not chosen yet, by components where there are three.
+/// Beside fields of points those of cells that are no whole numbers, which may number them.
+void add_measured_cell_fields(const CellMesh& mesh, std::size_t regions,
+                              std::vector<FieldChoice>& choices) {
+  for (std::size_t i = 0; i < mesh.cell_fields.size(); ++i) {
+    const MeshField& field = mesh.cell_fields[i];
+    if (i == regions || !is_floating(field.type)) continue;
+    if (std::ranges::find(choices, field.name, &FieldChoice::name) != choices.end()) continue;
+    choices.push_back({.field = &field, .is_of_cells = true, .component = {}, .name = field.name});
+  }
+}
+
+/// What all_choices() has that is not chosen yet, and measured fields of cells beside those of
+/// points, by components where there are three.
 Result<void> add_others(const CellMesh& mesh, const TetraOptions& options,
                         std::vector<FieldChoice>& choices) {
   constexpr int kOfVector = 3;
-  LODE_TRY(const std::vector<FieldChoice> all, all_choices(mesh, options));
+  LODE_TRY(std::vector<FieldChoice> all, all_choices(mesh, options));
+  LODE_TRY(const std::size_t regions, find_regions(mesh, options));
+  if (!all.empty() && !all.front().is_of_cells) add_measured_cell_fields(mesh, regions, all);
   const auto add = [&](FieldChoice choice) {
     if (std::ranges::find(choices, choice.name, &FieldChoice::name) == choices.end())
       choices.push_back(std::move(choice));
@@ -120,6 +151,20 @@ double magnitude_at(const MeshField& field, std::size_t i) {
   return std::sqrt(sum);
 }
 
+/// Of nine components those off the diagonal are means of two.
+double mises_at(const MeshField& field, std::size_t i) {
+  const auto c = [&](int k) { return field.at(i, k); };
+  const bool is_whole = field.n_components == kTensor;
+  const double xx = c(0);
+  const double yy = is_whole ? c(4) : c(1);
+  const double zz = is_whole ? c(8) : c(2);
+  const std::array<double, 3> shear =
+      is_whole ? std::array<double, 3>{(c(1) + c(3)) / 2, (c(2) + c(6)) / 2, (c(5) + c(7)) / 2}
+               : std::array<double, 3>{c(3), c(4), c(5)};
+  const double normal = ((xx - yy) * (xx - yy) + (yy - zz) * (yy - zz) + (zz - xx) * (zz - xx)) / 2;
+  return std::sqrt(normal + 3 * (shear[0] * shear[0] + shear[1] * shear[1] + shear[2] * shear[2]));
+}
+
 MeshField chosen_field(const FieldChoice& choice) {
   const MeshField& source = *choice.field;
   const bool is_magnitude = !choice.component && source.n_components > 1;
@@ -130,8 +175,9 @@ MeshField chosen_field(const FieldChoice& choice) {
   const std::size_t n = source.values.size() / static_cast<std::size_t>(source.n_components);
   field.values.reserve(n);
   for (std::size_t i = 0; i < n; ++i)
-    field.values.push_back(is_magnitude ? magnitude_at(source, i)
-                                        : source.at(i, choice.component.value_or(0)));
+    field.values.push_back(choice.is_mises ? mises_at(source, i)
+                           : is_magnitude  ? magnitude_at(source, i)
+                                           : source.at(i, choice.component.value_or(0)));
   return field;
 }
 
@@ -162,20 +208,27 @@ std::vector<std::uint32_t> points_of(const SplitCells& split, const CellRun& run
   return ids;
 }
 
-/// A mean of what came so far, with weights and without.
+/// A mean of what came so far, with weights and without; roundings do not bring it beyond that.
 struct PointMean {
   double weighted = 0;
   double weight = 0;
   double sum = 0;
   double n = 0;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
 
   void add(double value, double volume) {
     weighted += value * volume;
     weight += volume;
     sum += value;
     ++n;
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
-  [[nodiscard]] double value() const { return weight > 0 ? weighted / weight : sum / n; }
+  [[nodiscard]] double value() const {
+    const double mean = weight > 0 ? weighted / weight : sum / n;
+    return std::isfinite(mean) ? std::clamp(mean, low, high) : mean;
+  }
 };
 
 /// The least and the largest of what comes, of finite numbers.
@@ -194,6 +247,41 @@ struct FiniteRange {
     largest = high;
   }
 };
+
+/// Ranges of a field at a region's cells and at their points.
+struct RegionRanges {
+  FiniteRange cells;
+  FiniteRange points;
+};
+
+/// Regions that have points with values beyond those of their cells. `at_cells`: before.
+std::vector<AveragedRegion> find_mixed_regions(const CellMesh& mesh, std::size_t regions,
+                                               const SplitCells& split,
+                                               const std::vector<CellRun>& runs,
+                                               const std::vector<double>& at_cells,
+                                               const std::vector<double>& at_points) {
+  std::vector<AveragedRegion> mixed;
+  if (regions >= mesh.cell_fields.size()) return mixed;
+  std::map<std::int64_t, RegionRanges> ranges;
+  for (const CellRun& run : runs) {
+    const std::uint32_t cell = split.cells[run.begin];
+    RegionRanges& of = ranges[static_cast<std::int64_t>(mesh.cell_fields[regions].values[cell])];
+    of.cells.add(at_cells[cell]);
+    for (const std::uint32_t point : points_of(split, run)) of.points.add(at_points[point]);
+  }
+  std::vector<std::int64_t> ids;
+  for (const auto& [id, range] : ranges) ids.push_back(id);
+  const std::vector<std::string> names = names_of_regions(mesh, regions, ids);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto& [cells, points] = ranges.at(ids[i]);
+    if (!(points.low < cells.low || points.high > cells.high)) continue;
+    AveragedRegion region{.id = ids[i], .name = names.empty() ? std::string() : names[i]};
+    cells.put(region.cell_min, region.cell_max);
+    points.put(region.point_min, region.point_max);
+    mixed.push_back(std::move(region));
+  }
+  return mixed;
+}
 
 /// What is said of the cells that tetrahedra are of.
 AveragedField describe(const SplitCells& split, const std::vector<CellRun>& runs,
@@ -233,8 +321,9 @@ Result<ChosenFields> choose_fields(const CellMesh& mesh, const TetraOptions& opt
   return chosen;
 }
 
-void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, ChosenFields& chosen,
-                   TetraReport& report) {
+void average_cells(const CellMesh& mesh, std::size_t regions, const SplitCells& split,
+                   ChosenFields& chosen, TetraReport& report) {
+  const std::vector<Vec3d>& points = mesh.points;
   const std::vector<CellRun> runs = runs_of(points, split);
   for (std::size_t f = 0; f < chosen.fields.size(); ++f) {
     if (chosen.is_of_cells[f] == 0) continue;
@@ -245,6 +334,7 @@ void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, Ch
     for (const CellRun& run : runs)
       for (const std::uint32_t point : points_of(split, run))
         means[point].add(field.values[split.cells[run.begin]], run.volume);
+    const std::vector<double> at_cells = std::move(field.values);
     field.values.assign(points.size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (means[i].n == 0) continue;
@@ -252,9 +342,10 @@ void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, Ch
       range.add(field.values[i]);
     }
     range.put(averaged.point_min, averaged.point_max);
+    averaged.regions = find_mixed_regions(mesh, regions, split, runs, at_cells, field.values);
     field.type = ScalarType::float64;
     chosen.is_of_cells[f] = 0;
-    report.averaged.push_back(averaged);
+    report.averaged.push_back(std::move(averaged));
   }
 }
 

@@ -22,9 +22,10 @@ struct ChosenFields {
 /// Fails on a name that the mesh lacks, on components that a field lacks, and on a name twice.
 [[nodiscard]] Result<ChosenFields> choose_fields(const CellMesh& mesh, const TetraOptions& options);
 
-/// Values of cells become values of `n_points` points: means over the cells at each, weighted by
-/// volume; where these have none, or infinite ones, unweighted. NaN at points of no cell.
-void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, ChosenFields& chosen,
-                   TetraReport& report);
+/// Values of cells become values of the mesh's points: means over the cells at each, weighted by
+/// volume; where these have none, or infinite ones, unweighted. NaN at points of no cell. Cells of
+/// all regions count alike; `regions`, find_regions(), is for what is reported.
+void average_cells(const CellMesh& mesh, std::size_t regions, const SplitCells& split,
+                   ChosenFields& chosen, TetraReport& report);
 
 }  // namespace lode::io

@@ -14,6 +14,7 @@
 #include "lode/io/polyhedron_centre.h"
 #include "lode/io/polyhedron_faces.h"
 #include "lode/io/quadratic_cells.h"
+#include "lode/io/shared_nodes.h"
 #include "lode/io/split_cells.h"
 #include "lode/io/tetra_faces.h"
 #include "lode/io/tetra_fields.h"
@@ -57,6 +58,7 @@ Result<void> check_types(const CellMesh& mesh, TetraReport& report) {
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
     const std::uint8_t type = mesh.types[cell];
     ++(is_solid(type) ? report.n_cells : report.n_lower_cells);
+    report.n_quadratic += is_quadratic(mesh, cell) ? 1 : 0;
     if (!is_solid(type) || can_split(type) || quadratic_shape(mesh, cell)) continue;
     ++refused[type];
     n_to_linearise += can_linearise(type) ? 1 : 0;
@@ -77,7 +79,7 @@ Result<void> check_types(const CellMesh& mesh, TetraReport& report) {
                                           n_to_linearise));
   if (report.n_cells == 0)
     return fail("{}: expected cells with a volume, got none among {}", mesh.path, mesh.n_cells());
-  return check_shared_nodes(mesh);
+  return {};
 }
 
 /// Which points solid cells have.
@@ -91,6 +93,30 @@ std::vector<std::uint8_t> used_points(const CellMesh& mesh) {
       for (const std::uint32_t corner : faces.subspan(at + 1, faces[at])) is_used[corner] = 1;
   }
   return is_used;
+}
+
+void find_range(const std::vector<double>& values, const std::vector<std::uint8_t>& is_used,
+                double& low, double& high) {
+  low = std::numeric_limits<double>::infinity();
+  high = -low;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (is_used[i] == 0 || !std::isfinite(values[i])) continue;
+    low = std::min(low, values[i]);
+    high = std::max(high, values[i]);
+  }
+}
+
+/// Of fields of points, those whose range at corners is not that at all nodes.
+void find_lost_peaks(const ChosenFields& chosen, const std::vector<std::uint8_t>& is_node,
+                     const std::vector<std::uint8_t>& is_corner, TetraReport& report) {
+  for (std::size_t f = 0; f < chosen.fields.size(); ++f) {
+    if (chosen.is_of_cells[f] != 0) continue;
+    LinearisedField field{chosen.fields[f].name};
+    find_range(chosen.fields[f].values, is_node, field.node_min, field.node_max);
+    find_range(chosen.fields[f].values, is_corner, field.corner_min, field.corner_max);
+    if (field.corner_min > field.node_min || field.corner_max < field.node_max)
+      report.linearised.push_back(std::move(field));
+  }
 }
 
 /// What points to be welded must have alike: all that is measured, chosen or not, as other fields
@@ -187,9 +213,9 @@ bool is_narrow(const Vec3d& p) {
   });
 }
 
-/// Leaves out points that no tetrahedron has.
-void take_vertices(const CellMesh& mesh, ChosenFields&& chosen, SplitCells&& split,
-                   TetraMesh& result, TetraReport& report) {
+/// Leaves out points that no tetrahedron has. `n_given`: how many the file has.
+void take_vertices(const CellMesh& mesh, std::size_t n_given, ChosenFields&& chosen,
+                   SplitCells&& split, TetraMesh& result, TetraReport& report) {
   const std::vector<std::uint32_t> vertices = vertices_of(mesh.points.size(), split);
   for (std::size_t i = 0; i < vertices.size(); ++i)
     if (vertices[i] != kLeftOut) result.positions.push_back(mesh.points[i]);
@@ -200,7 +226,8 @@ void take_vertices(const CellMesh& mesh, ChosenFields&& chosen, SplitCells&& spl
     std::size_t to = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       if (vertices[i] == kLeftOut) continue;
-      if (!std::isfinite(field.values[i]) && lacking.n_values++ == 0) lacking.first = i;
+      const bool is_lacking = i < n_given && !std::isfinite(field.values[i]);
+      if (is_lacking && lacking.n_values++ == 0) lacking.first = i;
       field.values[to++] = field.values[i];
     }
     field.values.resize(to);
@@ -227,15 +254,21 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   report.n_hidden_cells = mesh.n_hidden_cells;
   report.skipped_arrays = mesh.skipped_arrays;
   report.time = mesh.time;
-  if (options.quadratic == QuadraticCells::corners) linearise(mesh);
+  std::vector<std::uint8_t> is_node;
+  if (options.quadratic == QuadraticCells::corners) {
+    is_node = used_points(mesh);
+    linearise(mesh);
+  }
   name_lagrange_cells(mesh);
   report.n_reordered = order_middles(mesh);
   LODE_CHECK(check_types(mesh, report));
   LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
+  if (!is_node.empty()) find_lost_peaks(chosen, is_node, used_points(mesh), report);
   LODE_TRY(const std::size_t regions, find_regions(mesh, options));
   if (!options.region_field) report.regions_not_taken = find_regions_not_taken(mesh, regions);
   const std::size_t n_given = mesh.points.size();
   LODE_CHECK(weld(options, chosen, mesh, report));
+  LODE_CHECK(check_shared_nodes(mesh));
   LODE_TRY(SplitCells split, split_cells(mesh));
   report.n_repeating = split.n_repeating;
   report.n_new_points = split.centre_cells.size();
@@ -248,9 +281,9 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   report.n_boundary_faces = faces.boundary.size();
   LODE_CHECK(take_patches(mesh, regions, faces, outcome.mesh, report));
   turn_round(mesh, mesh.points, faces, split, report);
-  average_cells(mesh.points, split, chosen, report);
+  average_cells(mesh, regions, split, chosen, report);
   if (regions < mesh.cell_fields.size()) take_regions(mesh, regions, split, outcome.mesh);
-  take_vertices(mesh, std::move(chosen), std::move(split), outcome.mesh, report);
+  take_vertices(mesh, n_given, std::move(chosen), std::move(split), outcome.mesh, report);
   count_vertices(n_given, outcome.mesh, report);
   return outcome;
 }

@@ -16,9 +16,10 @@ namespace lode::io {
 enum class QuadraticCells { split, corners };
 
 struct TetraOptions {
-  /// "NAME": a scalar, or the magnitude of a vector; "NAME:2": a component, from 0. A name is
-  /// looked up among the points' fields, then the cells'. None: all of the points, or of the cells
-  /// where points have none.
+  /// "NAME": a scalar, or the magnitude of a vector; "NAME:2": a component, from 0; "NAME:mises":
+  /// von Mises' scalar of a tensor of six components (xx, yy, zz first) or nine. A name is looked
+  /// up among the points' fields, then the cells'. None: all of the points, or of the cells where
+  /// points have none.
   std::vector<std::string> fields{};
   /// With fields: all others, too, of vectors with three components these, each a field.
   bool has_all = false;
@@ -35,6 +36,16 @@ struct TetraOptions {
   double weld_values = 0;
 };
 
+/// What averaging over cells did to a field within a region.
+struct AveragedRegion {
+  std::int64_t id = 0;
+  std::string name;     ///< Empty: it has none.
+  double cell_min = 0;  ///< Of finite values at its cells,
+  double cell_max = 0;
+  double point_min = 0;  ///< and at their points, which other regions have a share in.
+  double point_max = 0;
+};
+
 /// What averaging over cells did to a field.
 struct AveragedField {
   std::string name;
@@ -44,14 +55,24 @@ struct AveragedField {
   double point_max = 0;
   std::uint64_t n_nonfinite_cells = 0;
   std::uint64_t first_nonfinite = 0;  ///< Of the cells that were read, from 0.
+  /// Where there are several: those whose points have values beyond those of their cells.
+  std::vector<AveragedRegion> regions{};
+};
+
+/// What of a field at nodes is left when cells are linearised, where that is less.
+struct LinearisedField {
+  std::string name;
+  double node_min = 0;  ///< Of finite values at nodes that cells have,
+  double node_max = 0;
+  double corner_min = 0;  ///< and at those that are left.
+  double corner_max = 0;
 };
 
 /// A field that is not a finite number everywhere.
 struct NonfiniteField {
   std::string name;
-  std::uint64_t n_values = 0;  ///< At vertices.
-  std::uint64_t first = 0;     ///< The first of their points as the file numbers them, from 0, or
-                               ///< behind these one within a cell.
+  std::uint64_t n_values = 0;  ///< At vertices that are points of the file.
+  std::uint64_t first = 0;     ///< The first of these, as the file numbers them, from 0.
 };
 
 /// What a mesh of cells had, and what became of it.
@@ -68,6 +89,7 @@ struct TetraReport {
   std::uint64_t n_unused_points = 0;      ///< Left out: in no tetrahedron, and not welded.
   std::uint64_t n_coincident_points = 0;  ///< At the place of another vertex, kept.
   std::uint64_t n_new_points = 0;         ///< Within polyhedra and quadratic cells.
+  std::uint64_t n_quadratic = 0;          ///< Cells split between the nodes of edges' middles, too.
   std::uint64_t n_reordered = 0;          ///< Quadratic cells whose nodes were in another order.
   // Of tetrahedra, after cells were split:
   std::uint64_t n_repeating = 0;      ///< Left out: a corner is there twice.
@@ -82,6 +104,7 @@ struct TetraReport {
   std::vector<std::string> skipped_arrays;     ///< Left out: of points and cells, no numbers.
   std::vector<std::string> regions_not_taken;  ///< Fields named as such, and why they are none.
   std::vector<AveragedField> averaged;         ///< Fields of cells that became fields of points.
+  std::vector<LinearisedField> linearised;     ///< Fields of points that lost peaks.
 };
 
 struct TetrahedraOutcome {

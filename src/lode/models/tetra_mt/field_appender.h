@@ -23,6 +23,10 @@ class FieldAppender {
                                     std::span<const std::uint32_t> gradients, Threads threads);
   /// With all fields so far.
   [[nodiscard]] const HierarchyHead& head() const { return head_; }
+  /// Adds to what the record says of how fields were read.
+  void add_notes(std::span<const BuildRecord::Note> notes) {
+    head_.record.notes.insert(head_.record.notes.end(), notes.begin(), notes.end());
+  }
   /// The file's size. Nothing may be called afterwards.
   [[nodiscard]] Result<std::uint64_t> finish(const Progress& progress);
 

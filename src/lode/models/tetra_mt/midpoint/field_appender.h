@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "lode/core/progress.h"
@@ -23,6 +24,10 @@ class FieldAppender {
   [[nodiscard]] Result<void> append(FieldRecords field, Threads threads, Progress& progress);
   /// With all fields so far.
   [[nodiscard]] const ForestHead& head() const { return head_; }
+  /// Adds to what the record says of how fields were read.
+  void add_notes(std::span<const BuildRecord::Note> notes) {
+    head_.record.notes.insert(head_.record.notes.end(), notes.begin(), notes.end());
+  }
   /// The file's size. Nothing may be called afterwards.
   [[nodiscard]] Result<std::uint64_t> finish(const Progress& progress);
 
