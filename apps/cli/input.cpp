@@ -104,7 +104,7 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 }
 
 std::string ReadingArguments::given() const {
-  const std::array<std::pair<const char*, bool>, 20> options = {
+  const std::array<std::pair<const char*, bool>, 21> options = {
       {{"--field", !field.empty()},
        {"--with", !with.empty()},
        {"--component", !component.empty()},
@@ -121,6 +121,7 @@ std::string ReadingArguments::given() const {
        {"--weld-values", !weld_values.empty()},
        {"--linearise", !linearise.empty()},
        {"--region-field", !region_field.empty()},
+       {"--only-region", !only_regions.empty()},
        {"--solution", !solution.empty()},
        {"--placement", !placement.empty()},
        {"--order", !order.empty()},
@@ -181,6 +182,12 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
       "Of a mesh of cells: the field of its cells whose whole numbers are regions (default: the "
       "first of Material, MaterialId, RegionId, BlockId and the like); RegionId: the blocks, with "
       "their names, that lode-vtk-import reads");
+  app.add_option("--only-region", arguments.only_regions,
+                 "Of a mesh of cells: only the cells of a region, by its number or name, as if the "
+                 "file had no others; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->group("Reading other formats");
   add("--solution", arguments.solution, "FILE",
       "Of a MEDIT mesh: .sol or .solb with values at its vertices (default: that of its name)");
   add("--placement", arguments.placement, "half-edge|midpoint",
@@ -198,10 +205,12 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
 
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
   if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty() ||
-      !arguments.region_field.empty() || !arguments.with.empty() || !arguments.placement.empty() ||
-      !arguments.order.empty() || arguments.is_fast || !arguments.solution.empty())
+      !arguments.region_field.empty() || !arguments.only_regions.empty() ||
+      !arguments.with.empty() || !arguments.placement.empty() || !arguments.order.empty() ||
+      arguments.is_fast || !arguments.solution.empty())
     return fail(
-        "--with, --weld, --weld-values, --linearise, --region-field, --solution, --placement, "
+        "--with, --weld, --weld-values, --linearise, --region-field, --only-region, --solution, "
+        "--placement, "
         "--order and --fast: "
         "expected a mesh of cells with them");
   ReadOptions options;

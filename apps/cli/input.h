@@ -30,6 +30,7 @@ struct ReadingArguments {
   std::string weld_values;
   std::string linearise;
   std::string region_field;
+  std::vector<std::string> only_regions;
   std::string solution;  ///< Of MEDIT meshes.
   std::string placement;
   std::string order;

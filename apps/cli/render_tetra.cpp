@@ -136,6 +136,8 @@ Result<void> check_colors(const TetraPictureJob& job) {
   const bool has_isosurfaces = !job.extraction.isovalues.empty();
   if (!picture.color_by.empty() && !has_surfaces && !has_isosurfaces)
     return fail("--color-by: expected --isovalue, --section or --boundary=field with it");
+  if (!picture.color_by.empty() && job.reading.field.empty() && !is_lode_path(job.input))
+    return fail("--color-by: expected --field with it, got none");
   if (!picture.color_by.empty() && job.options.color)
     return fail("--color-by: expected no --color with it, which isosurfaces cannot have, too");
   if (picture.color_range.empty()) return {};

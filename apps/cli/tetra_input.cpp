@@ -15,6 +15,13 @@
 #include "vtk_import.h"
 
 namespace lode::cli {
+std::string numbered_component(const std::string& name) {
+  if (name.size() < 3 || name[name.size() - 2] != ':') return name;
+  const std::size_t axis = std::string_view("xyz").find(name.back());
+  if (axis == std::string_view::npos) return name;
+  return name.substr(0, name.size() - 1) + std::to_string(axis);
+}
+
 namespace {
 
 constexpr std::int64_t kMaxStep = 1'000'000'000;
@@ -34,14 +41,6 @@ Result<void> add_welding(const ReadingArguments& reading, TetraOptions& options)
   if (reading.weld.empty()) return fail("--weld-values: expected --weld with it, got none");
   LODE_TRY(options.weld_values, parse_weld("--weld-values", reading.weld_values));
   return {};
-}
-
-/// NAME:x as NAME:0, and so on.
-std::string numbered_component(const std::string& name) {
-  if (name.size() < 3 || name[name.size() - 2] != ':') return name;
-  const std::size_t axis = std::string_view("xyz").find(name.back());
-  if (axis == std::string_view::npos) return name;
-  return name.substr(0, name.size() - 1) + std::to_string(axis);
 }
 
 /// Of NAME:xyz, all three.
@@ -201,6 +200,7 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
     return fail("--linearise: expected 'corners', got '{}'", reading.linearise);
   if (!reading.linearise.empty()) options.quadratic = QuadraticCells::corners;
   if (!reading.region_field.empty()) options.region_field = reading.region_field;
+  options.only_regions = reading.only_regions;
   if (reading.field.empty() && !reading.component.empty())
     return fail("--component: expected --field with it, got none");
   if (reading.field.empty() && !reading.with.empty())
@@ -272,6 +272,7 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   others.weld_values.clear();
   others.linearise.clear();
   others.region_field.clear();
+  others.only_regions.clear();
   if (is_medit_path(path)) others.solution.clear();
   if (!others.solution.empty())
     return fail("--solution: expected a MEDIT mesh (.mesh or .meshb) with it, got {}", path);
@@ -284,7 +285,8 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   if (!got.empty())
     return fail(
         "{}: expected no options of reading but --field, --with, --component, --weld, "
-        "--weld-values, --linearise, --region-field{}{}, --placement, --order and --fast, got {}",
+        "--weld-values, --linearise, --region-field, --only-region{}{}, --placement, --order and "
+        "--fast, got {}",
         path, may_have_steps(path) ? ", --time" : "", is_medit_path(path) ? ", --solution" : "",
         got);
   return {};
@@ -353,6 +355,15 @@ Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& readin
   return {};
 }
 
+/// Where values are lacking in some regions alone.
+std::string advice_on_regions(const AveragedField& field) {
+  if (field.nonfinite_regions.empty()) return {};
+  return fmt::format(
+      ", all of them in the region{} {}: --only-region {} takes the others (info lists them)",
+      field.nonfinite_regions.size() > 1 ? "s" : "", fmt::join(field.nonfinite_regions, ", "),
+      field.finite_regions.front());
+}
+
 }  // namespace
 
 Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
@@ -379,9 +390,10 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
       if (of_cells.name == field.name && of_cells.n_nonfinite_cells > 0)
         return fail(
             "{}: field {}: expected finite values, got {} that {} not, the first at cell {} "
-            "(from 0)",
+            "(from 0){}",
             path, field.name, of_cells.n_nonfinite_cells,
-            of_cells.n_nonfinite_cells > 1 ? "are" : "is", of_cells.first_nonfinite);
+            of_cells.n_nonfinite_cells > 1 ? "are" : "is", of_cells.first_nonfinite,
+            advice_on_regions(of_cells));
     return fail(
         "{}: field {}: expected finite values, got {} that {} not, the first at point {} "
         "(from 0)",

@@ -45,6 +45,9 @@ struct TetraInput {
 /// How cells become tetrahedra. Fails on what cannot be meant.
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
 
+/// NAME:x as NAME:0, and so on.
+[[nodiscard]] std::string numbered_component(const std::string& name);
+
 /// Places of fields of a .lode file by their names, `NAME at TIME` among them; an empty name is the
 /// first. All are of one time: that of the first with steps, of which `step` says the number, from
 /// 0 in order of time, a field without a time before all (none: 0). Fields without any time are as

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "tetra_query_options.h"
@@ -58,10 +59,20 @@ std::string title_of(const TetraFieldInfo& field) {
   return field.name + (field.time ? fmt::format(" at {}", format_number(*field.time)) : "");
 }
 
-/// The field whose colours are shown: the first of further ones, where one is asked for.
-const TetraFieldInfo& colored_field(const TetraPictureJob& job, const TetraInput& input) {
-  return job.picture.color_by.empty() ? input.field()
-                                      : input.dataset.describe().fields[input.fields.along.at(0)];
+/// Where among further fields the one is whose colours are shown; none: the field's own are.
+Result<std::optional<std::size_t>> find_colors(const TetraPictureJob& job,
+                                               const TetraInput& input) {
+  const std::string& name = job.picture.color_by;
+  if (name.empty()) return std::optional<std::size_t>();
+  const std::vector<TetraFieldInfo>& fields = input.dataset.describe().fields;
+  const auto is_meant = [&](std::size_t place) {
+    return fields[place].name == numbered_component(name) || title_of(fields[place]) == name;
+  };
+  const auto& along = input.fields.along;
+  if (const auto at = std::ranges::find_if(along, is_meant); at != along.end())
+    return std::optional(static_cast<std::size_t>(at - along.begin()));
+  return fail("--color-by: expected one scalar of another field than {}, got {}",
+              input.field().name, name);
 }
 
 }  // namespace
@@ -79,9 +90,11 @@ Result<TetraPicturePlan> plan_picture(const TetraPictureJob& job, const TetraInp
   const TetraInfo& info = input.dataset.describe();
   TetraPicturePlan plan;
   LODE_TRY(plan.shown, to_picture(job));
-  const TetraFieldInfo& colored = colored_field(job, input);
+  LODE_TRY(plan.shown.color_attribute, find_colors(job, input));
+  const TetraFieldInfo& colored = plan.shown.color_attribute
+                                      ? info.fields[input.fields.along[*plan.shown.color_attribute]]
+                                      : input.field();
   plan.shown.colors = {colored.range_min, colored.range_max};
-  if (!job.picture.color_by.empty()) plan.shown.color_attribute = 0;
   if (!job.picture.color_range.empty()) {
     LODE_TRY(plan.shown.colors, parse_range("--color-range", job.picture.color_range));
   }

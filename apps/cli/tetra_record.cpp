@@ -20,9 +20,10 @@ struct CountName {
 };
 
 constexpr const char* kInverted = "inverted";
-constexpr std::array<CountName, 19> kCounts{
+constexpr std::array<CountName, 20> kCounts{
     {{"ghost_cells", "ghost cells left out", &TetraReport::n_ghost_cells},
      {"hidden_cells", "hidden cells left out", &TetraReport::n_hidden_cells},
+     {"other_regions", "cells of other regions left out", &TetraReport::n_other_regions},
      {"lower_cells", "points, lines and faces left out", &TetraReport::n_lower_cells},
      {"patches", "patches of the boundary", &TetraReport::n_patches},
      {"patch_faces", "faces of patches", &TetraReport::n_patch_cells},

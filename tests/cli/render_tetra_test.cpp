@@ -163,6 +163,9 @@ TEST_F(cli_render_tetra, of_colours_that_nothing_has_are_refused) {
   write_bytes(input_, hexahedra_of_two_fields());
   expect_refused({"--field", "wave", "--wireframe", "--color-by", "ramp"}, "--color-by: expected");
   expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-by", "other"}, "other");
+  expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-by", "wave"},
+                 "--color-by: expected one scalar of another field");
+  expect_refused({"--isovalue", "4.1", "--color-by", "wave"}, "--color-by: expected --field");
   expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-by", "ramp", "--color", "red"},
                  "--color-by: expected no --color");
   expect_refused({"--field", "wave", "--isovalue", "4.1", "--color-range", "1:2"},

@@ -130,6 +130,12 @@ TEST_F(cli_mesh_fields, of_cells_say_what_averaging_did_when_built_and_when_atta
   EXPECT_EQ(averaged.at("mixed_regions")[0].at("region"), 1);
   EXPECT_EQ(averaged.at("mixed_regions")[0].at("cell_max"), 1);
   EXPECT_GT(averaged.at("mixed_regions")[0].at("point_max"), 1);
+  const nlohmann::json one =
+      done({"build", mesh, scratch_ / "one.lode", "--field", "stress", "--only-region", "1"});
+  EXPECT_EQ(one.at("range"), nlohmann::json({1, 1}));
+  EXPECT_GT(one.at("reading").at("other_regions"), 0);
+  refused({"build", mesh, scratch_ / "one.lode", "--field", "stress", "--only-region", "3"},
+          "one of its regions (1, 2)");
   const nlohmann::json attached = done({"attach-field", model, mesh, all, "--field", "again"});
   ASSERT_EQ(attached.at("notes").size(), 3U);
   const std::string note = attached.at("notes")[0].at("note");
@@ -181,7 +187,7 @@ TEST_F(cli_mesh_fields, of_a_gmsh_file_at_several_times_are_a_series) {
   refused({"attach-field", model, still, still, all, "--field", "noise"},
           "--at: expected the times of 2 steps");
   refused({"build", still, model, "--field", "noise", "--time", "1"},
-          "--region-field, --placement, --order and --fast, got --time");
+          "--region-field, --only-region, --placement, --order and --fast, got --time");
   refused({"build", mesh, model, "--field", "heat", "--time", "1", "--nodata", "3"},
           "--nodata: expected a volume or terrain, got a mesh of cells");
 }
@@ -277,7 +283,7 @@ TEST_F(cli_mesh_fields, of_medit_meshes_come_from_solutions) {
   done({"verify", model, "--against", medit, "--solution", scratch_ / "later.sol"});
   EXPECT_NE(run_lode({"verify", model, "--against", medit}).exit_code, 0);
   refused({"build", medit, model, "--time", "3"},
-          "--region-field, --solution, --placement, --order and --fast, got --time");
+          "--region-field, --only-region, --solution, --placement, --order and --fast, got --time");
   const std::string all = scratch_ / "all.lode";
   const nlohmann::json attached =
       done({"attach-field", model, medit, all, "--field", "solution_1", "--solution",

@@ -204,7 +204,7 @@ TEST_F(cli_tetra, has_files_that_say_how_they_were_read_and_built) {
          {"order", "extrema", "boundary_tolerance", "volume_change", "base_vertices_kept"})
       EXPECT_EQ(info.json().at(key), build.json().at(key)) << key;
     const nlohmann::json kept = info.json().at("reading");
-    EXPECT_EQ(kept.size(), 19U);
+    EXPECT_EQ(kept.size(), 20U);
     for (const auto& [key, n] : kept.items())
       EXPECT_EQ(n, build.json().at("reading").at(key)) << key;
     EXPECT_EQ(info.json().at("notes").size(), 0U);
@@ -378,9 +378,10 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"},
           "--nodata: expected a volume or terrain, got a mesh of cells");
-  refused({"extract", input_, output_, "--mesh", "--time", "3"},
-          "no options of reading but --field, --with, --component, --weld, --weld-values, "
-          "--linearise, --region-field, --placement, --order and --fast, got --time");
+  refused(
+      {"extract", input_, output_, "--mesh", "--time", "3"},
+      "no options of reading but --field, --with, --component, --weld, --weld-values, "
+      "--linearise, --region-field, --only-region, --placement, --order and --fast, got --time");
   refused({"info", input_, "--dims", "2x2x2", "--type", "uint8"},
           "--dims: expected a volume, got a mesh of cells");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");

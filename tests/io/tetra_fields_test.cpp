@@ -267,5 +267,38 @@ TEST(tetra_fields, of_all_kinds_are_measured_ones_of_cells_too) {
             (std::vector<std::string>{"t", "v:0", "v:1", "v:2", "a:1", "p", "zones"}));
 }
 
+TEST(tetra_regions, of_which_one_is_wanted_leave_out_the_cells_of_others) {
+  CellMesh mesh = field_mesh();
+  test::add_cell(mesh, CellType::triangle, {0, 1, 2});
+  mesh.cell_fields[0].values.push_back(std::nan(""));
+  mesh.cell_fields[1].values.push_back(5);
+  mesh.cell_fields[2].values.push_back(1);
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh, {.fields = {"p"}, .only_regions = {"-2"}});
+  EXPECT_EQ(outcome.report.n_other_regions, 1U);
+  EXPECT_EQ(outcome.report.n_cells, 1U);
+  EXPECT_EQ(outcome.mesh.tetrahedra.size(), 1U);
+  EXPECT_EQ(outcome.mesh.fields[0].values, (std::vector<double>{-4, -4, -4, -4}));
+  EXPECT_EQ(outcome.mesh.region_ids, std::vector<std::int64_t>{-2});
+  // What was between two regions is the boundary now, and has its patch.
+  EXPECT_EQ(outcome.report.n_patch_cells, 1U);
+  EXPECT_EQ(tetrahedra_of(mesh, {.fields = {"p"}, .only_regions = {"7", "-2"}}).report.n_cells, 2U);
+  expect_no_tetrahedra(mesh, {"one of its regions (-2, 7)", "'8'"}, {.only_regions = {"8"}});
+  mesh.cell_fields.resize(1);
+  expect_no_tetrahedra(mesh, {"cells with regions"}, {.only_regions = {"8"}});
+}
+
+TEST(tetra_fields, of_cells_of_some_regions_say_which_lack_values) {
+  CellMesh mesh = field_mesh();
+  mesh.cell_fields[0].values[1] = std::nan("");
+  const AveragedField p = tetrahedra_of(mesh, {.fields = {"p"}}).report.averaged.at(0);
+  EXPECT_EQ(p.nonfinite_regions, std::vector<std::int64_t>{-2});
+  EXPECT_EQ(p.finite_regions, std::vector<std::int64_t>{7});
+  EXPECT_TRUE(
+      tetrahedra_of(mesh, {.fields = {"p"}, .only_regions = {"7"}}).report.nonfinite.empty());
+  mesh.cell_fields[0].values[0] = std::nan("");
+  EXPECT_TRUE(
+      tetrahedra_of(mesh, {.fields = {"p"}}).report.averaged.at(0).nonfinite_regions.empty());
+}
+
 }  // namespace
 }  // namespace lode::io

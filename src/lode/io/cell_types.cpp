@@ -89,4 +89,9 @@ std::optional<CellKind> cell_kind(std::uint8_t type) {
   return found->kind;
 }
 
+bool is_solid(std::uint8_t type) {
+  const auto kind = cell_kind(type);
+  return kind && kind->dimension == 3;
+}
+
 }  // namespace lode::io

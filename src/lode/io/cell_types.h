@@ -17,4 +17,7 @@ struct CellKind {
 /// Nothing for a number that VTK has not given to any type.
 [[nodiscard]] std::optional<CellKind> cell_kind(std::uint8_t type);
 
+/// Whether a type is known and has a volume.
+[[nodiscard]] bool is_solid(std::uint8_t type);
+
 }  // namespace lode::io

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "lode/io/keep_cells.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -69,43 +70,6 @@ Result<void> mark_by_points(CellMesh& mesh, Fates& fates) {
   return {};
 }
 
-void keep_values(const Fates& fates, MeshField& field) {
-  const auto n = static_cast<std::size_t>(field.n_components);
-  std::size_t to = 0;
-  for (std::size_t cell = 0; cell < fates.size(); ++cell) {
-    if (fates[cell] != Fate::stay) continue;
-    for (std::size_t k = 0; k < n; ++k) field.values[to++] = field.values[cell * n + k];
-  }
-  field.values.resize(to);
-}
-
-/// Moves what stays of one list of lists to its front.
-template <typename T>
-void keep_lists(const Fates& fates, std::vector<std::uint64_t>& begins, std::vector<T>& items) {
-  std::size_t to = 0;
-  std::size_t n_items = 0;
-  for (std::size_t cell = 0; cell < fates.size(); ++cell) {
-    if (fates[cell] != Fate::stay) continue;
-    const auto begin = static_cast<std::size_t>(begins[cell]);
-    const auto end = static_cast<std::size_t>(begins[cell + 1]);
-    begins[to++] = n_items;
-    for (std::size_t i = begin; i < end; ++i) items[n_items++] = items[i];
-  }
-  begins[to] = n_items;
-  begins.resize(to + 1);
-  items.resize(n_items);
-}
-
-void keep_cells(const Fates& fates, CellMesh& mesh) {
-  keep_lists(fates, mesh.begins, mesh.corners);
-  if (!mesh.face_begins.empty()) keep_lists(fates, mesh.face_begins, mesh.faces);
-  for (MeshField& field : mesh.cell_fields) keep_values(fates, field);
-  std::size_t to = 0;
-  for (std::size_t cell = 0; cell < fates.size(); ++cell)
-    if (fates[cell] == Fate::stay) mesh.types[to++] = mesh.types[cell];
-  mesh.types.resize(to);
-}
-
 }  // namespace
 
 std::size_t find_ghost_type(const std::vector<MeshField>& fields) {
@@ -123,7 +87,11 @@ Result<void> leave_out_ghosts(CellMesh& mesh) {
   };
   mesh.n_ghost_cells = n_of(Fate::ghost);
   mesh.n_hidden_cells = n_of(Fate::hidden);
-  if (mesh.n_ghost_cells + mesh.n_hidden_cells > 0) keep_cells(fates, mesh);
+  if (mesh.n_ghost_cells + mesh.n_hidden_cells == 0) return {};
+  std::vector<std::uint8_t> is_kept(fates.size());
+  std::transform(fates.begin(), fates.end(), is_kept.begin(),
+                 [](Fate fate) { return fate == Fate::stay ? std::uint8_t{1} : std::uint8_t{0}; });
+  keep_cells(is_kept, mesh);
   return {};
 }
 

@@ -6,6 +6,7 @@ set(IO_MESH_SOURCES
   grid_pieces.cpp
   higher_order_cells.cpp
   inner_point.cpp
+  keep_cells.cpp
   mesh_blocks.cpp
   mesh_checks.cpp
   mesh_exodus_output.cpp

@@ -254,6 +254,24 @@ struct RegionRanges {
   FiniteRange points;
 };
 
+/// Which regions have cells without a finite value, where others have not.
+void find_nonfinite_regions(const CellMesh& mesh, std::size_t regions, const SplitCells& split,
+                            const std::vector<CellRun>& runs, const std::vector<double>& at_cells,
+                            AveragedField& averaged) {
+  if (regions >= mesh.cell_fields.size() || averaged.n_nonfinite_cells == 0) return;
+  std::map<std::int64_t, bool> lacks;
+  for (const CellRun& run : runs) {
+    const std::uint32_t cell = split.cells[run.begin];
+    bool& is_lacking = lacks[static_cast<std::int64_t>(mesh.cell_fields[regions].values[cell])];
+    is_lacking = is_lacking || !std::isfinite(at_cells[cell]);
+  }
+  const auto n =
+      std::count_if(lacks.begin(), lacks.end(), [](const auto& of) { return of.second; });
+  if (std::cmp_equal(n, lacks.size())) return;
+  for (const auto& [id, is_lacking] : lacks)
+    (is_lacking ? averaged.nonfinite_regions : averaged.finite_regions).push_back(id);
+}
+
 /// Regions that have points with values beyond those of their cells. `at_cells`: before.
 std::vector<AveragedRegion> find_mixed_regions(const CellMesh& mesh, std::size_t regions,
                                                const SplitCells& split,
@@ -342,6 +360,7 @@ void average_cells(const CellMesh& mesh, std::size_t regions, const SplitCells& 
       range.add(field.values[i]);
     }
     range.put(averaged.point_min, averaged.point_max);
+    find_nonfinite_regions(mesh, regions, split, runs, at_cells, averaged);
     averaged.regions = find_mixed_regions(mesh, regions, split, runs, at_cells, field.values);
     field.type = ScalarType::float64;
     chosen.is_of_cells[f] = 0;

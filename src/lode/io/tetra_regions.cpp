@@ -6,9 +6,12 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include "lode/core/label.h"
+#include "lode/io/cell_types.h"
+#include "lode/io/keep_cells.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -110,6 +113,63 @@ std::vector<std::string> names_of_regions(const CellMesh& mesh, std::size_t regi
   }
   if (!has_any) found.clear();
   return found;
+}
+
+namespace {
+
+/// Of solid cells, ascending.
+std::vector<std::int64_t> ids_of_solid(const CellMesh& mesh, std::size_t regions) {
+  std::set<std::int64_t> ids;
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell)
+    if (is_solid(mesh.types[cell]))
+      ids.insert(static_cast<std::int64_t>(mesh.cell_fields[regions].values[cell]));
+  return {ids.begin(), ids.end()};
+}
+
+std::string list_regions(const std::vector<std::int64_t>& ids,
+                         const std::vector<std::string>& names) {
+  constexpr std::size_t kMostListed = 20;
+  std::string list;
+  for (std::size_t i = 0; i < ids.size() && i < kMostListed; ++i)
+    list += fmt::format("{}{}{}", i > 0 ? ", " : "", ids[i],
+                        names.empty() || names[i].empty() ? "" : " (" + names[i] + ')');
+  return ids.size() > kMostListed ? list + ", ..." : list;
+}
+
+}  // namespace
+
+Result<std::uint64_t> keep_regions(const TetraOptions& options, std::size_t regions,
+                                   CellMesh& mesh) {
+  if (options.only_regions.empty()) return 0;
+  if (regions == mesh.cell_fields.size())
+    return fail("{}: expected cells with regions, of which to keep {}, got none", mesh.path,
+                in_quotes(options.only_regions.front()));
+  const std::vector<std::int64_t> ids = ids_of_solid(mesh, regions);
+  const std::vector<std::string> names = names_of_regions(mesh, regions, ids);
+  std::set<std::int64_t> wanted;
+  for (const std::string& text : options.only_regions) {
+    const auto number = to_int64(text);
+    bool is_found = false;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (number != ids[i] && (names.empty() || names[i] != text)) continue;
+      wanted.insert(ids[i]);
+      is_found = true;
+    }
+    if (!is_found)
+      return fail("{}: expected one of its regions ({}), got {}", mesh.path,
+                  list_regions(ids, names), in_quotes(text));
+  }
+  std::vector<std::uint8_t> is_kept(mesh.n_cells(), 1);
+  std::uint64_t n_other = 0;
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
+    if (!is_solid(mesh.types[cell])) continue;
+    if (wanted.contains(static_cast<std::int64_t>(mesh.cell_fields[regions].values[cell])))
+      continue;
+    is_kept[cell] = 0;
+    ++n_other;
+  }
+  if (n_other > 0) keep_cells(is_kept, mesh);
+  return n_other;
 }
 
 }  // namespace lode::io

@@ -28,4 +28,9 @@ namespace lode::io {
 [[nodiscard]] std::vector<std::string> names_of_regions(const CellMesh& mesh, std::size_t regions,
                                                         std::span<const std::int64_t> ids);
 
+/// Leaves out the solid cells of other regions than those that the options want, by number or name,
+/// and counts them. Fails where there is no such region, or none at all.
+[[nodiscard]] Result<std::uint64_t> keep_regions(const TetraOptions& options, std::size_t regions,
+                                                 CellMesh& mesh);
+
 }  // namespace lode::io

@@ -46,11 +46,6 @@ bool can_split(std::uint8_t type) {
   }
 }
 
-bool is_solid(std::uint8_t type) {
-  const auto kind = cell_kind(type);
-  return kind && kind->dimension == 3;
-}
-
 /// Counts solid and other cells. Fails where there are some that cannot be split, or none that can.
 Result<void> check_types(const CellMesh& mesh, TetraReport& report) {
   std::array<std::uint64_t, kNTypes> refused{};
@@ -254,6 +249,8 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   report.n_hidden_cells = mesh.n_hidden_cells;
   report.skipped_arrays = mesh.skipped_arrays;
   report.time = mesh.time;
+  LODE_TRY(const std::size_t regions, find_regions(mesh, options));
+  LODE_TRY(report.n_other_regions, keep_regions(options, regions, mesh));
   std::vector<std::uint8_t> is_node;
   if (options.quadratic == QuadraticCells::corners) {
     is_node = used_points(mesh);
@@ -264,7 +261,6 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   LODE_CHECK(check_types(mesh, report));
   LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
   if (!is_node.empty()) find_lost_peaks(chosen, is_node, used_points(mesh), report);
-  LODE_TRY(const std::size_t regions, find_regions(mesh, options));
   if (!options.region_field) report.regions_not_taken = find_regions_not_taken(mesh, regions);
   const std::size_t n_given = mesh.points.size();
   LODE_CHECK(weld(options, chosen, mesh, report));

@@ -29,6 +29,8 @@ struct TetraOptions {
   /// with an s at the end or not, and with blanks, -, _ or #: "material_ids". Those of faces are
   /// patches of the boundary, unless there is a field PatchId; 0 is none.
   std::optional<std::string> region_field{};
+  /// Numbers or names of the regions whose cells are taken; none: all.
+  std::vector<std::string> only_regions{};
   /// Points become one that are so close (0: at one place) and whose fields, chosen or not, differ
   /// by no more than weld_values in any component; fields of whole numbers count only if chosen.
   /// None: all stay apart.
@@ -55,6 +57,9 @@ struct AveragedField {
   double point_max = 0;
   std::uint64_t n_nonfinite_cells = 0;
   std::uint64_t first_nonfinite = 0;  ///< Of the cells that were read, from 0.
+  /// Where there are several and some have none of those: the regions that have some, and the rest.
+  std::vector<std::int64_t> nonfinite_regions{};
+  std::vector<std::int64_t> finite_regions{};
   /// Where there are several: those whose points have values beyond those of their cells.
   std::vector<AveragedRegion> regions{};
 };
@@ -84,6 +89,7 @@ struct TetraReport {
   std::uint64_t n_inner_faces = 0;  ///< Left out: of patches, but not on the boundary.
   std::uint64_t n_ghost_cells = 0;  ///< Left out when the file was read; and hidden ones.
   std::uint64_t n_hidden_cells = 0;
+  std::uint64_t n_other_regions = 0;      ///< Left out: cells of regions that are not wanted.
   std::uint64_t n_welded_points = 0;      ///< Taken for another one.
   std::uint64_t n_weld_refusals = 0;      ///< Points kept apart because of their values.
   std::uint64_t n_unused_points = 0;      ///< Left out: in no tetrahedron, and not welded.
