@@ -288,6 +288,7 @@ std::vector<AveragedRegion> find_mixed_regions(const CellMesh& mesh, std::size_t
     for (const std::uint32_t point : points_of(split, run)) of.points.add(at_points[point]);
   }
   std::vector<std::int64_t> ids;
+  ids.reserve(ranges.size());
   for (const auto& [id, range] : ranges) ids.push_back(id);
   const std::vector<std::string> names = names_of_regions(mesh, regions, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) {
