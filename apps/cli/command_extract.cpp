@@ -361,6 +361,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   set_share(arguments.extraction.keep_topology, input.info.range_min, input.info.range_max,
             options.keep_topology);
   warn_of_coordinates(session, input.info.volume.grid);
+  warn_of_limit(session, arguments.memory_limit, input);
   LODE_CHECK(check_simplify_range(options, input.info.range_min, input.info.range_max));
   Totals totals;
   OutputSet outputs(paths);

@@ -7,6 +7,7 @@
 #include "extraction_options.h"
 #include "input.h"
 #include "parse.h"
+#include "query_options.h"
 #include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
@@ -24,6 +25,8 @@ struct VerifyArguments {
   std::string original;
   std::vector<std::string> surfaces;
   std::string memory_limit;
+  std::string error_bound;
+  std::vector<std::string> boxes;
   bool is_exact = false;
   SimplifyArguments simplify;
   ExtractionArguments extraction;
@@ -41,11 +44,42 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
     if (!options.max_distance && !arguments.surfaces.empty())
       return fail(
           "--memory-limit: expected --max-distance, without --simplify, where there is a "
-          "--surface: "
-          "no other surface depends on it");
+          "--surface: no other is extracted again with it");
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   return options;
+}
+
+/// Of --error-bound; its boxes alone are looked at here.
+Result<BoundOptions> bound_of(const VerifyArguments& arguments, const DatasetInfo& info,
+                              Threads threads) {
+  BoundOptions options{.threads = threads};
+  LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
+  options.isovalue = extraction.isovalues.front();
+  LODE_TRY(options.error, parse_tolerance("--error-bound", arguments.error_bound));
+  std::optional<double> error = options.error;
+  set_share(arguments.error_bound, info.range_min, info.range_max, error);
+  options.error = *error;
+  LODE_TRY(options.boxes, parse_boxes(arguments.boxes));
+  return options;
+}
+
+/// That a bound is asked of one surface and isovalue, and nothing of how it was made.
+Result<void> check_bound(const VerifyArguments& arguments, const CLI::App& app) {
+  if (arguments.error_bound.empty())
+    return arguments.boxes.empty() ? Result<void>()
+                                   : fail("--box: expected --error-bound with it, got none");
+  if (arguments.surfaces.size() != 1 || arguments.extraction.isovalues.size() != 1)
+    return fail("--error-bound: expected one --surface and one --isovalue with it, got {} and {}",
+                arguments.surfaces.size(), arguments.extraction.isovalues.size());
+  for (const char* name :
+       {"--max-error", "--style", "--style-distance", "--keep-topology", "--clip", "--close-border",
+        "--min-component", "--flip", "--normals", "--simplify", "--max-distance", "--memory-limit"})
+    if (app.get_option(name)->count() > 0)
+      return fail("--error-bound: expected nothing else of how the surface was made, got {}", name);
+  LODE_CHECK(parse_tolerance("--error-bound", arguments.error_bound));
+  LODE_CHECK(parse_boxes(arguments.boxes));
+  return {};
 }
 
 /// For looking at the file; a surface's limit says how that was extracted. 0: none was given.
@@ -96,6 +130,7 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
   if (arguments.is_exact)
     return fail("--exact: expected a mesh of cells or its .lode file with it, got '{}'",
                 arguments.input);
+  LODE_CHECK(check_bound(arguments, app));
   LODE_TRY(const ExtractOptions options, options_of(arguments));
   if ((options.max_distance || options.simplify_distance) && arguments.surfaces.empty())
     return fail("{}: expected --surface FILE with it, got none",
@@ -160,7 +195,11 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
   const auto get = asked.max_distance || arguments.surfaces.empty() ? open_input : load_input;
   LODE_TRY(const Input input, get(session, arguments.input, arguments.reading, {}));
   VerifyReport of_surface;
-  if (!arguments.surfaces.empty()) {
+  if (!arguments.error_bound.empty()) {
+    LODE_TRY(const BoundOptions bound, bound_of(arguments, input.info, session.threads()));
+    LODE_TRY(const Surface surface, read_surface(arguments.surface()));
+    LODE_TRY(of_surface, input.dataset.verify_bound(surface, bound, session.progress()));
+  } else if (!arguments.surfaces.empty()) {
     ExtractOptions options = asked;
     set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
               options.max_error);
@@ -259,7 +298,9 @@ constexpr HelpFooter kVerifyFooter{{{
      "  lode verify scan.lode --surface bone-300.stl --surface bone-1200.stl --isovalue 300 "
      "--isovalue 1200 --keep-topology\n"
      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-error 10\n"
-     "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"},
+     "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
+     "  lode verify scan.lode --surface near.ply --isovalue 1200 --error-bound 10 --box "
+     "0,9,0,9,0,9\n"},
     {"Of meshes of cells, or .lode files made from them: nodes and their order, random cuts, and\n"
      "all stated errors and ranges; --against compares every vertex, value and cell.\n",
      "  lode verify mesh.vtu\n"
@@ -291,6 +332,15 @@ Command add_verify_command(CLI::App& program) {
                   "Surface to check; may be repeated for surfaces in files of their own that were "
                   "extracted together, one for each --isovalue, in the same order")
       ->type_name("SURFACE")
+      ->allow_extra_args(false);
+  app->add_option("--error-bound", arguments->error_bound,
+                  "Hold a surface that any program may have made to this bound of |F - isovalue| "
+                  "alone, or with % of the range of values, and to samples that are farther being "
+                  "on their sides: one of a focus, a budget or a deadline, which no query repeats")
+      ->type_name("E");
+  app->add_option("--box", arguments->boxes,
+                  "With --error-bound: only in a box, X0,X1,Y0,Y1,Z0,Z1; may be repeated")
+      ->type_name("X0,X1,Y0,Y1,Z0,Z1")
       ->allow_extra_args(false);
   app->add_flag(
       "--simplify,--remove-slivers", arguments->simplify.simplifies,

@@ -99,6 +99,7 @@ const std::map<std::string, Kinds>& kinds_of_options() {
       {"surface", kUnlessMesh},
       {"simplify", kVolume},
       {"max-distance", kVolume},
+      {"error-bound", kVolume},
   };
   return kKinds;
 }
@@ -109,7 +110,7 @@ std::optional<Kinds> kinds_in_command(const std::string& command, const std::str
   if (command != "extract")
     for (const char* const of_volumes : {"clip", "normals", "min-component", "flip"})
       if (name == of_volumes) return kVolume;
-  if (command == "verify" && name == "isovalue") return kVolume;
+  if (command == "verify" && (name == "isovalue" || name == "box")) return kVolume;
   if (command == "verify" && name == "max-error") return kUnlessMesh;
   if (command != "render") return {};
   if (name == "max-cells") return kUnlessVolume;

@@ -12,7 +12,6 @@ namespace lode::cli {
 /// Those, and model, range, holes, levels and sizes.
 [[nodiscard]] Json to_json(const DatasetInfo& info);
 
-/// Rows for dims, spacing, origin, direction, frame, type and field.
 /// "lengths in mm, values in HU", or what of that is known; empty: nothing.
 [[nodiscard]] std::string describe_units(const Units& units);
 /// A row, where any is known.
@@ -20,6 +19,7 @@ void add_units(Table& table, const Units& units);
 /// length_unit and value_unit; null where they are not known.
 void add_units(Json& json, const Units& units);
 
+/// Rows for dims, spacing, origin, direction, frame, units, type and field.
 void add_volume(Table& table, const VolumeInfo& volume);
 /// Rows for sizes on disk and bytes per sample; none for a dataset in memory.
 void add_sizes(Table& table, const DatasetInfo& info);

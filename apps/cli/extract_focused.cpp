@@ -33,6 +33,7 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
   json["max_error_px"] = report.max_error_px ? Json(*report.max_error_px) : Json();
   json["error_bound"] = report.standing.error_bound;
   json["error_bound_holds"] = place_of_bound(query);
+  json["coordinate_slack"] = report.coordinate_slack;
   json["achieved_px"] = report.max_error_px ? Json(report.achieved_px) : Json();
   json["is_settled"] = report.standing.is_settled;
   json["budget_met"] = report.standing.budget_met;
@@ -62,6 +63,7 @@ std::string focused_text(const MeshJob& job, const Input& input, const FocusedRe
                                 : format_number(*report.max_error)});
   table.add(
       {"error bound", format_number(report.standing.error_bound) + ' ' + place_of_bound(query)});
+  table.add({"coordinate slack", "at most " + format_number(report.coordinate_slack)});
   add_units(table, input.info.volume.units);
   add_salvage(table, input.dataset.salvaged(), report.standing.error_bound);
   if (report.max_error_px) {
@@ -144,6 +146,7 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
            extract_focused(input.dataset, options, surface, session.progress()));
   LODE_TRY(const ExtractOptions plain, to_extract_options(job.extraction));
   warn_of_coordinates(session, input.info.volume.grid);
+  warn_of_limit(session, job.memory_limit, input);
   warn_of_boxes(options.query.boxes, input.info.volume.grid.world_bounds(), session);
   warn_of_focused(session, report, surface, plain, input.info, options.query.budget.is_limited());
   LODE_CHECK(write_surface(

@@ -121,6 +121,7 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   LODE_TRY(MeshOptions options, to_mesh_options(job.query, job.extraction));
   LODE_TRY(options.memory_limit, memory_limit_of(job));
   LODE_TRY(const Input input, open_input(session, job.input, job.reading));
+  warn_of_limit(session, job.memory_limit, input);
   set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
             options.query.max_error);
   set_share(job.query.max_error_outside, input.info.range_min, input.info.range_max,
@@ -168,6 +169,7 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
   LODE_TRY(options.memory_limit, memory_limit_of(job));
   LODE_TRY(const Input input, open_input(session, job.input, job.reading, check_is_volume));
   LODE_CHECK(check_is_volume(input.info.volume));
+  warn_of_limit(session, job.memory_limit, input);
   set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
             options.max_error);
   Surface section;

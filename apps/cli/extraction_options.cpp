@@ -206,7 +206,8 @@ void warn_of_cubes(Session& session, const ExtractOptions& options) {
 
 void warn_of_open(Session& session, const ExtractReport& report) {
   if (report.open_edges > 0)
-    session.warn(fmt::format("the surface stays open at holes: along {} edges", report.open_edges));
+    session.warn(fmt::format("the surface stays open at holes: along {} edges{}", report.open_edges,
+                             report.components_dropped > 0 ? ", before pieces were dropped" : ""));
 }
 
 void warn_of_persistence(Session& session, const ExtractReport& report,
@@ -262,9 +263,10 @@ void warn_of_unmet(Session& session, const ExtractReport& report, const ExtractO
                                isovalue, info.volume.nodata ? " but nodata" : ""));
       continue;
     }
-    const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
+    // A sample that is the isovalue counts as above it.
+    const bool is_in_range = info.range_min < isovalue && isovalue <= info.range_max;
     const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
-    const char* why = "it meets nothing";
+    const char* why = isovalue == info.range_min ? "no value is below it" : "it meets nothing";
     const bool is_kept = report.topology.has_value();
     if (is_kept && is_in_range && report.topology->persistence > 0)
       why = "it meets nothing that persists as --keep-topology asks";

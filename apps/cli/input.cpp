@@ -83,6 +83,8 @@ Result<void> check_is_volume(const std::string& path, const ReadingArguments& re
 
 Error no_isovalue(const std::string& path, const ReadingArguments& reading) {
   if (const auto volume = check_is_volume(path, reading); !volume) return volume.error();
+  if (std::error_code status; !std::filesystem::exists(path, status))
+    return fail("{}: cannot be opened: No such file or directory", path);
   return fail(
       "--isovalue: expected at least one value, got none: lode info {} shows the range of values, "
       "lode count what surfaces they give, and lode render draws one that it chooses",
@@ -284,6 +286,13 @@ Json extract_head(const std::string& input_path, const Input& input,
   json["built_in_memory"] = input.was_built;
   add_units(json, input.info.volume.units);
   return json;
+}
+
+void warn_of_limit(Session& session, const std::string& memory_limit, const Input& input) {
+  if (memory_limit.empty() || !input.was_built) return;
+  session.warn(
+      "--memory-limit is of queries to a .lode file, which lode build makes within it: the "
+      "hierarchy of this file was built in memory");
 }
 
 std::string units_comment(const Input& input) {

@@ -93,6 +93,9 @@ using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;
 [[nodiscard]] Json extract_head(const std::string& input_path, const Input& input,
                                 const std::vector<std::string>& outputs);
 
+/// Where a limit was asked for, as typed, that a hierarchy which is built in memory does not keep.
+void warn_of_limit(Session& session, const std::string& memory_limit, const Input& input);
+
 /// What is behind the first words of a file's comment: ", lengths in mm", or nothing.
 [[nodiscard]] std::string units_comment(const Input& input);
 

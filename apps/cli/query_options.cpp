@@ -77,10 +77,7 @@ Result<std::vector<Range>> parse_field_ranges(const std::vector<std::string>& te
 
 /// Boxes, balls, half-spaces and budget, which meshes and surfaces share.
 Result<void> add_foci(const QueryArguments& arguments, Query& query) {
-  for (const std::string& text : arguments.boxes) {
-    LODE_TRY(const Box3d box, parse_box(text));
-    query.boxes.push_back(box);
-  }
+  LODE_TRY(query.boxes, parse_boxes(arguments.boxes));
   for (const std::string& text : arguments.balls) {
     LODE_TRY(const Ball ball, parse_ball(text));
     query.balls.push_back(ball);
@@ -114,6 +111,15 @@ Result<void> check_surface_options(const ExtractionArguments& extraction, const 
 }
 
 }  // namespace
+
+Result<std::vector<Box3d>> parse_boxes(const std::vector<std::string>& texts) {
+  std::vector<Box3d> boxes;
+  for (const std::string& text : texts) {
+    LODE_TRY(const Box3d box, parse_box(text));
+    boxes.push_back(box);
+  }
+  return boxes;
+}
 
 Result<Range> parse_range(const char* option, const std::string& text) {
   LODE_TRY(const auto ends, split_pair(option, text, "two numbers as A:B"));

@@ -84,6 +84,8 @@ void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session
 [[nodiscard]] Result<void> check_view_size(const QueryArguments& arguments);
 [[nodiscard]] Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
                                                   const ExtractionArguments& extraction);
+/// Each X0,X1,Y0,Y1,Z0,Z1.
+[[nodiscard]] Result<std::vector<Box3d>> parse_boxes(const std::vector<std::string>& texts);
 /// Two numbers as A:B, A <= B.
 [[nodiscard]] Result<Range> parse_range(const char* option, const std::string& text);
 /// With a plane at least; the first one is the options'.

@@ -142,7 +142,7 @@ Result<void> check_colors(const TetraPictureJob& job) {
     return fail("--color-by: expected no --color with it, which isosurfaces cannot have, too");
   if (picture.color_range.empty()) return {};
   LODE_TRY(const Range range, parse_range("--color-range", picture.color_range));
-  if (!(range.low < range.high))
+  if (!(range.low < range.high) || !std::isfinite(range.high - range.low))
     return fail("--color-range: expected a smaller and a larger value, got {}",
                 picture.color_range);
   const std::string& opacity = picture.query.opacity;

@@ -20,7 +20,7 @@ struct CountName {
 };
 
 constexpr const char* kInverted = "inverted";
-constexpr std::array<CountName, 20> kCounts{
+constexpr std::array<CountName, 21> kCounts{
     {{"ghost_cells", "ghost cells left out", &TetraReport::n_ghost_cells},
      {"hidden_cells", "hidden cells left out", &TetraReport::n_hidden_cells},
      {"other_regions", "cells of other regions left out", &TetraReport::n_other_regions},
@@ -34,6 +34,8 @@ constexpr std::array<CountName, 20> kCounts{
      {"coincident_points", "points at another's place", &TetraReport::n_coincident_points},
      {"new_points", "points within polyhedra and quadratic cells", &TetraReport::n_new_points},
      {"quadratic", "quadratic cells, as between their nodes", &TetraReport::n_quadratic},
+     {"parted_faces", "faces apart from a neighbour with other nodes",
+      &TetraReport::n_parted_faces},
      {"reordered", "quadratic cells put in VTK's order", &TetraReport::n_reordered},
      {"repeating", "tetrahedra with a corner twice left out", &TetraReport::n_repeating},
      {"zero_volume", "cells without volume", &TetraReport::n_zero_volume},
@@ -48,6 +50,7 @@ constexpr const char* kNonfinite = "values that are not finite";
 constexpr const char* kAveraged = "cells to points";
 constexpr const char* kLinearised = "nodes to corners";
 constexpr std::size_t kMostRegions = 10;  // that rows are worth
+constexpr std::size_t kMostRegionsTold = 1000;
 
 std::string row_of(const NonfiniteField& field) {
   return fmt::format("{}: {}, the first at point {} from 0", field.name,
@@ -89,18 +92,21 @@ void add_averaged(const TetraReport& report, Json& json) {
   json["averaged"] = Json::array();
   for (const AveragedField& field : report.averaged) {
     Json regions = Json::array();
-    for (const AveragedRegion& region : field.regions)
+    for (std::size_t i = 0; i < std::min(field.regions.size(), kMostRegionsTold); ++i) {
+      const AveragedRegion& region = field.regions[i];
       regions.push_back({{"region", region.id},
                          {"name", region.name},
                          {"cell_min", region.cell_min},
                          {"cell_max", region.cell_max},
                          {"point_min", region.point_min},
                          {"point_max", region.point_max}});
+    }
     json["averaged"].push_back({{"field", field.name},
                                 {"cell_min", field.cell_min},
                                 {"cell_max", field.cell_max},
                                 {"point_min", field.point_min},
                                 {"point_max", field.point_max},
+                                {"n_mixed_regions", field.regions.size()},
                                 {"mixed_regions", std::move(regions)}});
   }
 }

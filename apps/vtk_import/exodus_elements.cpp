@@ -11,14 +11,19 @@
 namespace lode::vtk_import {
 namespace {
 
-/// Solid elements by the beginning of their types' names, and of how many nodes they may be.
+/// Elements by the beginning of their types' names, and of how many nodes they may be.
 struct Known {
   const char* name;
   std::initializer_list<std::size_t> n_nodes;
 };
 
-const std::array<Known, 4> kKnown{
-    {{"TET", {4, 10}}, {"HEX", {8, 20, 27}}, {"WED", {6, 15, 18}}, {"PYR", {5, 13}}}};
+const std::array<Known, 7> kKnown{{{"TET", {4, 10}},
+                                   {"HEX", {8, 20, 27}},
+                                   {"WED", {6, 15, 18}},
+                                   {"PYR", {5, 13}},
+                                   {"TRI", {3, 6}},
+                                   {"QUA", {4, 8, 9}},
+                                   {"SHE", {3, 4, 8}}}};
 
 class NetcdfFile {
  public:

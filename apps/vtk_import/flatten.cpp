@@ -241,6 +241,13 @@ std::map<std::string, Column> columns_of(const std::vector<Leaf>& leaves, int as
   return columns;
 }
 
+/// VTK's reader of Exodus files makes a vector NAME_ of NAME_x, NAME_y and NAME_z.
+std::string name_of(const std::string& name, const std::map<std::string, Column>& columns) {
+  const bool is_joined = name.size() > 1 && name.back() == '_' && columns.at(name).n_components > 1;
+  const std::string shorter = name.substr(0, name.size() - 1);
+  return is_joined && !columns.contains(shorter) ? shorter : name;
+}
+
 vtkSmartPointer<vtkDataArray> joined(const std::vector<Leaf>& leaves, int association,
                                      const std::string& name, const Column& column) {
   const bool is_ghosts = name == kGhosts;
@@ -345,15 +352,21 @@ Flattened flatten(vtkDataObject& data, BlockPoints points) {
     if (auto* const block = vtkStructuredGrid::SafeDownCast(leaf.data)) hide_cells(*block);
   }
   vtkCellData& cells = *made.grid->GetCellData();
-  for (const auto& [name, column] : columns_of(leaves, vtkDataObject::CELL))
-    cells.AddArray(joined(leaves, vtkDataObject::CELL, name, column));
+  const auto add_columns = [&leaves](int association, vtkDataSetAttributes& attributes) {
+    const std::map<std::string, Column> columns = columns_of(leaves, association);
+    for (const auto& [name, column] : columns) {
+      const auto array = joined(leaves, association, name, column);
+      array->SetName(name_of(name, columns).c_str());
+      attributes.AddArray(array);
+    }
+  };
+  add_columns(vtkDataObject::CELL, cells);
   if (is_single(data))
     made.grid->SetFieldData(leaves[0].data->GetFieldData());
   else
     add_regions(leaves, made);
   if (points == BlockPoints::shared) leaves.resize(1);
-  for (const auto& [name, column] : columns_of(leaves, vtkDataObject::POINT))
-    made.grid->GetPointData()->AddArray(joined(leaves, vtkDataObject::POINT, name, column));
+  add_columns(vtkDataObject::POINT, *made.grid->GetPointData());
   append_patches(found.faces, points, made);
   return made;
 }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "lode/api/files.h"
@@ -43,6 +44,57 @@ TEST_F(cli_focused, is_finer_in_a_box_than_outside) {
   EXPECT_GT(mixed, coarse);
   EXPECT_LT(mixed, fine);
   EXPECT_EQ(n({"--max-error", "0", "--ball", "8,8,8,20"}), fine);
+}
+
+TEST_F(cli_focused, is_held_to_its_bound_by_verify_and_to_no_smaller_one) {
+  const auto verified = [&](const std::string& bound, Words more) {
+    Words words{"verify", lode_file(),     "--surface", scratch_ / "s.ply", "--isovalue",
+                "100",    "--error-bound", bound,       "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words).exit_code;
+  };
+  const nlohmann::json budget = report({"--max-cells", "600"});
+  const double bound = budget.at("error_bound");
+  ASSERT_GT(bound, 1);
+  EXPECT_LT(budget.at("coordinate_slack"), 0.1);
+  EXPECT_EQ(verified(fmt::format("{}", bound), {}), 0);
+  EXPECT_EQ(verified("0.1", {}), 1);
+  EXPECT_EQ(verified("100%", {}), 0);
+  // In a box it is finer than elsewhere.
+  const std::string box = "0,8,0,8,0,8";
+  EXPECT_GT(report({"--max-error", "1", "--box", box, "--max-error-outside", "25"}).at("triangles"),
+            0);
+  EXPECT_EQ(verified("1", {"--box", box}), 0);
+  EXPECT_EQ(verified("1", {}), 1);
+  EXPECT_EQ(verified("25", {}), 0);
+}
+
+TEST_F(cli_focused, whose_triangles_are_not_all_there_is_refused_by_verify) {
+  EXPECT_GT(report({"--max-error", "1", "--max-cells", "1000000"}).at("triangles"), 0);
+  auto surface = read_surface(scratch_ / "s.ply");
+  ASSERT_TRUE(surface);
+  surface->triangles.erase(surface->triangles.begin() + 7);
+  Progress progress;
+  ASSERT_TRUE(write_surface(scratch_ / "s.ply", *surface, {}, progress));
+  const Finished run = run_lode({"verify", lode_file(), "--surface", scratch_ / "s.ply",
+                                 "--isovalue", "100", "--error-bound", "1"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("on their sides"), std::string::npos) << run.err;
+}
+
+TEST_F(cli_focused, says_what_goes_with_a_bound) {
+  EXPECT_GT(report({"--max-error", "1"}).at("triangles"), 0);
+  const auto refused = [&](Words words, const char* why) {
+    words.insert(words.begin(), {"verify", lode_file()});
+    expect_refusal(run_lode(words), 2, {why});
+  };
+  const std::string surface = scratch_ / "s.ply";
+  refused({"--error-bound", "1"}, "--error-bound: expected one --surface");
+  refused({"--surface", surface, "--isovalue", "100", "--error-bound", "1", "--max-error", "1"},
+          "got --max-error");
+  refused({"--surface", surface, "--isovalue", "100", "--box", "0,1,0,1,0,1"},
+          "--box: expected --error-bound");
+  refused({"--surface", surface, "--isovalue", "100", "--error-bound", "-1"}, "--error-bound");
 }
 
 TEST_F(cli_focused, keeps_budgets_and_says_when_it_cannot) {

@@ -204,7 +204,7 @@ TEST_F(cli_tetra, has_files_that_say_how_they_were_read_and_built) {
          {"order", "extrema", "boundary_tolerance", "volume_change", "base_vertices_kept"})
       EXPECT_EQ(info.json().at(key), build.json().at(key)) << key;
     const nlohmann::json kept = info.json().at("reading");
-    EXPECT_EQ(kept.size(), 20U);
+    EXPECT_EQ(kept.size(), 21U);
     for (const auto& [key, n] : kept.items())
       EXPECT_EQ(n, build.json().at("reading").at(key)) << key;
     EXPECT_EQ(info.json().at("notes").size(), 0U);

@@ -156,7 +156,10 @@ TEST(cli_usage, guesses_what_a_misspelt_extension_meant) {
 
 TEST(cli_usage, refuses_missing_arguments) {
   for (const std::string& command : kCommands) expect_refusal(run_lode({command}), 2, {command});
-  expect_refusal(run_lode({"extract", "a.nrrd", "b.ply"}), 2, {"--isovalue"});
+  const Scratch scratch;
+  write_ball(scratch / "a.nrrd");
+  expect_refusal(run_lode({"extract", scratch / "a.nrrd", "b.ply"}), 2, {"--isovalue"});
+  expect_refusal(run_lode({"extract", "a.nrrd", "b.ply"}), 2, {"a.nrrd", "cannot be opened"});
   expect_refusal(run_lode({"extract", "a.lode", "b.ply"}), 2, {"a.lode", "cannot open"});
   expect_refusal(run_lode({"verify", "a.lode", "--surface", "b.ply"}), 2, {"--isovalue"});
 }

@@ -190,7 +190,7 @@ TEST_F(vtk_import_of, what_lode_wrote_has_its_regions_and_values) {
               volumes_of(mesh).at(10) + 8, 1e-9);
 }
 
-TEST_F(vtk_import_of, elements_whose_nodes_vtk_takes_for_others_is_refused) {
+TEST_F(vtk_import_of, elements_whose_nodes_vtk_takes_for_others_are_refused) {
   make("elements.e");
   expect_refusal(run_lode({"info", scratch_ / "elements.e"}), 1,
                  {"elements.e", "block 1", "TETRA14", "4, 10 nodes", "got 14"});

@@ -315,7 +315,10 @@ TEST(quadratic_neighbours, that_have_nodes_of_their_own_are_refused_unless_welde
   mesh.points.push_back(mesh.points[mesh.corners[at]]);
   mesh.point_fields[0].values.push_back(mesh.point_fields[0].values[mesh.corners[at]]);
   mesh.corners[at] = static_cast<std::uint32_t>(mesh.points.size() - 1);
-  expect_no_tetrahedra(mesh, {"got 1 edges", "between points 1 and 2", "--weld 0"});
+  expect_no_tetrahedra(mesh, {"got 1 faces with two at one place", "points 1, 2, 4", "--weld 0"});
+  CellMesh parted = mesh;
+  parted.points.back()[0] += 0.01;
+  EXPECT_EQ(tetrahedra_of(parted).report.n_parted_faces, 1U);
   const TetrahedraOutcome outcome = tetrahedra_of(mesh, {.weld_distance = 0});
   EXPECT_EQ(outcome.report.n_components, 1U);
   EXPECT_EQ(outcome.report.n_welded_points, 1U);
@@ -345,6 +348,43 @@ TEST(quadratic_neighbours, of_which_one_has_a_node_in_the_face_are_refused) {
   expect_no_tetrahedra(mesh, {"got 1 faces", "points 4, 5, 6, 7", "--linearise corners"});
 }
 
+/// Two lips of a crack that share the ends of an edge, each with a middle of its own.
+TEST(quadratic_neighbours, at_an_edge_alone_may_have_nodes_of_their_own) {
+  CellMesh linear = test::empty_cells();
+  linear.points = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}, {{0, -1, 0}}, {{0, 0, -1}}};
+  add_cell(linear, CellType::tetrahedron, {0, 1, 2, 3});
+  add_cell(linear, CellType::tetrahedron, {0, 1, 4, 5});
+  CellMesh mesh = quadratic_of(linear, false, 0);
+  mesh.points.push_back({{0.5, -0.1, 0}});
+  mesh.point_fields[0].values.push_back(0);
+  mesh.corners[static_cast<std::size_t>(mesh.begins[1]) + 4] =
+      static_cast<std::uint32_t>(mesh.points.size() - 1);
+  EXPECT_EQ(tetrahedra_of(mesh).report.n_parted_faces, 0U);
+}
+
+/// Of a thin shell along a cylinder the diagonal along its axis lies on it, however long it is.
+TEST(quadratic_cells, have_the_diagonal_that_follows_a_curved_face) {
+  for (const double aspect : {0.7, 1.5, 3.0}) {
+    const double angle = 15 * std::acos(-1.0) / 180;
+    CellMesh mesh = test::empty_cells();
+    mesh.point_fields = {{"f", ScalarType::float64, 1, {}}};
+    const auto at = [&](double r, double turn, double z) {
+      mesh.points.push_back(
+          {{r * std::cos(turn * angle), r * std::sin(turn * angle), z * aspect * angle}});
+      mesh.point_fields[0].values.push_back(turn);
+    };
+    const Shape shape = shapes()[0];
+    const CellMesh straight = quadratic_of(linear_cell(shape), false, 0);
+    for (const Vec3d& p : straight.points) at(1 + 0.005 * p[0], p[1], p[2]);
+    add_cell(mesh, CellType::quadratic_hexahedron,
+             {straight.corners.begin(), straight.corners.end()});
+    const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+    EXPECT_EQ(outcome.report.n_inverted, 0U);
+    const double exact = angle * aspect * angle / 2 * (1.005 * 1.005 - 1);
+    EXPECT_NEAR(test::total_volume(outcome.mesh), exact, 0.01 * exact) << aspect;
+  }
+}
+
 TEST(quadratic_neighbours, whose_face_meets_two_triangles_are_refused) {
   CellMesh linear = linear_cell(shapes()[0]);
   linear.points.push_back({{0.5, 0.5, 2}});
@@ -367,7 +407,8 @@ TEST(quadratic_neighbours, of_polyhedra_may_be_elsewhere_alone) {
                               {first + 2, first, first + 3}});
   EXPECT_EQ(tetrahedra_of(mesh).report.n_components, 2U);
   test::add_polyhedron(mesh, {{1, 2, 3}, {1, 2, 10}, {2, 3, 10}, {3, 1, 10}});
-  expect_no_tetrahedra(mesh, {"do not touch polyhedra", "got 1 that do", "--linearise corners"});
+  expect_no_tetrahedra(mesh,
+                       {"share no edge with polyhedra", "got 1 that do", "--linearise corners"});
 }
 
 TEST(quadratic_cells, that_lose_peaks_when_linearised_say_so) {

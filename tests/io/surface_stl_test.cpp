@@ -29,6 +29,24 @@ TEST(stl_file, has_fifty_bytes_a_triangle_and_outward_facet_normals) {
   EXPECT_EQ(normal, (Vec3f{{0, 0, -1}}));
 }
 
+TEST(stl_file, has_a_header_without_half_a_number) {
+  const std::string path = temporary_path("header.stl");
+  const auto header_of = [&](const std::string& comment) {
+    Progress progress;
+    EXPECT_TRUE(write_surface(path, make_tetrahedron(), {.comment = comment}, progress));
+    std::string header = bytes_of(path).substr(0, 80);
+    return header.substr(0, header.find_last_not_of(' ') + 1);
+  };
+  EXPECT_EQ(header_of("Lode: isovalue 5e-07, max_error 1e-9"),
+            "binary STL, Lode: isovalue 5e-07, max_error 1e-9");
+  EXPECT_EQ(header_of("Lode: isovalue 512.3456789012, max_error 1.2345678901234567e-11, more 1"),
+            "binary STL, Lode: isovalue 512.3456789012, max_error 1.2345678901234567e-11");
+  EXPECT_EQ(header_of("Lode: isovalue 512.3456789012345, max_error 1.234567890123456789e-111"),
+            "binary STL, Lode: isovalue 512.3456789012345");
+  EXPECT_EQ(header_of(std::string(200, 'x')), "binary STL");
+  ::unlink(path.c_str());
+}
+
 TEST(stl_file, merges_corners_that_are_equal_and_no_others) {
   const Surface read = written_and_read(".stl", make_tetrahedron());
   EXPECT_EQ(read.positions.size(), 4U);

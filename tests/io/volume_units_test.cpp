@@ -21,10 +21,37 @@ TEST(volume_units, of_nrrd_are_those_of_its_space_and_samples) {
   EXPECT_EQ(units_of("space dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
                      "space units: \"mm\" \"mm\" \"mm\"\nsample units: \"HU\"\n"),
             (Units{"mm", "HU"}));
-  EXPECT_EQ(units_of("units: \"um\" \"um\" \"\"\nsample units: counts\n"), (Units{"um", "counts"}));
+  EXPECT_EQ(units_of("units: \"um\" \"um\" \"um\"\nsample units: counts\n"),
+            (Units{"um", "counts"}));
+  EXPECT_EQ(units_of("space units: \"\" \"\" \"\"\nunits: \"um\" \"um\" \"um\"\n").length, "um");
+  EXPECT_EQ(units_of("sample units: \"\"\n").value, "");
+  EXPECT_EQ(units_of("sample units: none\n").value, "");
+  EXPECT_EQ(units_of("sample units: \"m\\\"m\"\n").value, "m\"m");
+  EXPECT_EQ(units_of("units: \"mm\" \"mm\"\n"), Units{});
+  EXPECT_EQ(units_of("units: \"mm \"mm\" \"mm\"\n"), Units{});
   // Lengths along the axes that are not alike have no unit in common.
   EXPECT_EQ(units_of("units: \"um\" \"um\" \"mm\"\n"), Units{});
   EXPECT_EQ(units_of("units: \"um\n"), Units{});
+  const auto mixed =
+      describe_volume(dir.write("b.nrrd", nrrd_with("units: \"um\" \"um\" \"mm\"\n")), {});
+  ASSERT_TRUE(mixed);
+  EXPECT_NE(mixed->frame_note.find("different units: 'um', 'um', 'mm'"), std::string::npos)
+      << mixed->frame_note;
+}
+
+TEST(volume_units, of_nrrd_are_those_of_axes_in_space) {
+  const TempDir dir;
+  const auto length_of = [&](const std::string& fields, const ReadOptions& options) {
+    const std::string head = "NRRD0004\ntype: uint8\ndimension: 4\nencoding: raw\n";
+    return info_of(dir.write("a.nrrd", head + fields + "\n" + std::string(48, 'x')), options)
+        .units.length;
+  };
+  EXPECT_EQ(length_of("sizes: 4 3 2 2\nunits: \"mm\" \"mm\" \"mm\" \"s\"\n", {.time = 0}), "mm");
+  EXPECT_EQ(length_of("sizes: 4 3 2 2\nunits: \"\" \"\" \"\" \"s\"\n", {.time = 0}), "");
+  EXPECT_EQ(length_of("sizes: 2 4 3 2\nkinds: vector domain domain domain\n"
+                      "units: \"m/s\" \"mm\" \"mm\" \"mm\"\n",
+                      {.component = 0}),
+            "mm");
 }
 
 TEST(volume_units, of_nifti_are_in_the_lowest_bits_of_one_byte) {

@@ -185,6 +185,20 @@ Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads thr
   return out_of_memory("compare the errors with the data");
 }
 
+Result<VerifyReport> Dataset::verify_bound(const Surface& surface, const BoundOptions& options,
+                                           Progress& progress) const try {
+  if (!(options.error >= 0))
+    return fail("verify: expected an error bound of at least 0, got {}", options.error);
+  LODE_TRY(const auto* const held, impl_->model(progress));
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) {
+        return verify_surface_bound<D>(model, surface, options, progress);
+      },
+      *held);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the surface");
+}
+
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
                                              Progress& progress) const try {
   LODE_CHECK(check_extraction(*impl_, options));

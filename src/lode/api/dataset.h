@@ -219,6 +219,15 @@ struct SectionReport;
 struct SimplexMesh;
 
 /// The one door: a multiresolution model, in memory or opened from a .lode file.
+/// What a surface is held to, whatever made it.
+struct BoundOptions {
+  double isovalue = 0;
+  double error = 0;  ///< Largest |F - isovalue|, field units.
+  std::vector<Box3d>
+      boxes{};  ///< World units; where there are some, it is so in each of them alone.
+  Threads threads{};
+};
+
 class Dataset {
  public:
   Dataset(Dataset&&) noexcept;
@@ -293,6 +302,12 @@ class Dataset {
   [[nodiscard]] Result<VerifyReport> verify_surface(const Surface& surface,
                                                     const ExtractOptions& options,
                                                     Progress& progress) const;
+  /// Checks a surface of any origin, as one of a focus or a budget, which no query repeats alone:
+  /// manifold, oriented, free of self-intersections, |F - isovalue| within the bound on it, and
+  /// samples that are farther on the sides where they belong.
+  [[nodiscard]] Result<VerifyReport> verify_bound(const Surface& surface,
+                                                  const BoundOptions& options,
+                                                  Progress& progress) const;
 
   class Impl;
   /// For the door's other parts.

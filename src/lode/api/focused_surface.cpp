@@ -133,6 +133,8 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
   LODE_CHECK(refine(*live, deadline, clock, progress));
   live->write(surface);
   report.standing = live->standing();
+  const LatticeFrame frame = LatticeFrame::of(info.grid);
+  report.coordinate_slack = (frame.margin + 4 * frame.rounding) * (stats.max - stats.min);
   if (query.budget != asked) {
     report.standing.budget_met = report.standing.n_cells <= asked.max_cells;
     if (report.standing.budget_ended) report.standing.memory_met = false;

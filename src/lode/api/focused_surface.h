@@ -33,6 +33,8 @@ struct FocusedOptions {
 struct FocusedReport {
   std::optional<double> max_error;     ///< Field units: asked for, or chosen.
   std::optional<double> max_error_px;  ///< As asked for.
+  /// How much more |F - isovalue| may be than the error, for positions are float32: field units.
+  double coordinate_slack = 0;
   Standing standing;  ///< n_steps repeats an answer of a model in memory that a deadline cut short.
   double achieved_px = 0;   ///< With a view: of what is left unrefined in sight, an estimate.
   double seconds = 0;       ///< Without the next two,

@@ -236,14 +236,11 @@ Result<void> add_level_set(const Model<D>& model, const Surface& surface,
 }
 
 template <int D>
-Result<void> add_sides(const Model<D>& model, const Surface& surface, double isovalue, double error,
-                       Threads threads, Progress& progress, VerifyReport& report) {
-  LODE_TRY(const auto sides, diamond::check_sides(diamond::ModelSamples<D>(model), surface,
-                                                  {.isovalue = isovalue,
-                                                   .error = error,
-                                                   .has_holes = model.has_holes(),
-                                                   .threads = threads},
-                                                  progress));
+Result<void> add_sides(const Model<D>& model, const Surface& surface,
+                       const diamond::SideOptions& options, Progress& progress,
+                       VerifyReport& report) {
+  LODE_TRY(const auto sides,
+           diamond::check_sides(diamond::ModelSamples<D>(model), surface, options, progress));
   const auto describe = [](const Index3& p) { return fmt::format("{},{},{}", p[0], p[1], p[2]); };
   report.add("samples beyond the tolerance on their sides", sides.n_pairs, sides.n_wrong,
              sides.n_wrong == 0 ? ""
@@ -294,8 +291,12 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
   const bool is_in_band = has_band(options, expected.tolerance);
   if (is_in_band) {
     LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
-    LODE_CHECK(add_sides(model, surface, options.isovalues.front(), expected.tolerance,
-                         options.threads, progress, report));
+    LODE_CHECK(add_sides(model, surface,
+                         {.isovalue = options.isovalues.front(),
+                          .error = expected.tolerance,
+                          .has_holes = model.has_holes(),
+                          .threads = options.threads},
+                         progress, report));
   } else {
     add_domain(model.info.grid, surface, options, report);
   }
@@ -377,5 +378,43 @@ template Result<VerifyReport> verify_model_surface<2>(const Model<2>&, const Sur
 template Result<VerifyReport> verify_model_surface<3>(const Model<3>&, const Surface&,
                                                       const ExpectedSurface&, const ExtractOptions&,
                                                       Progress&);
+
+template <int D>
+Result<VerifyReport> verify_surface_bound(const Model<D>& model, const Surface& surface,
+                                          const BoundOptions& options, Progress& progress) {
+  VerifyReport report;
+  LODE_CHECK(check_well_formed(surface));
+  const diamond::ModelSamples<D> samples(model);
+  const ExtractOptions alike{.isovalues = {options.isovalue}, .threads = options.threads};
+  add_topology(surface, diamond::PinchPlaces(samples, surface, {.threads = options.threads}),
+               options.threads, report);
+  LODE_CHECK(add_crossings(surface, alike, progress, report));
+  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
+  const double slack = (frame.margin + 4 * frame.rounding) * (model.stats.max - model.stats.min);
+  LODE_TRY(const auto level_set, diamond::check_level_set(samples, surface,
+                                                          {.isovalues = alike.isovalues,
+                                                           .tolerance = options.error + slack,
+                                                           .boxes = options.boxes,
+                                                           .threads = options.threads},
+                                                          progress));
+  report.add(options.boxes.empty() ? "|F - isovalue| <= bound + slack"
+                                   : "|F - isovalue| <= bound + slack in the boxes",
+             level_set.n_pieces, level_set.holds() ? 0 : 1,
+             describe_level_set(surface, level_set, options.error, slack));
+  if constexpr (D == 3)
+    LODE_CHECK(add_sides(model, surface,
+                         {.isovalue = options.isovalue,
+                          .error = options.error,
+                          .has_holes = model.has_holes(),
+                          .boxes = options.boxes,
+                          .threads = options.threads},
+                         progress, report));
+  return report;
+}
+
+template Result<VerifyReport> verify_surface_bound<2>(const Model<2>&, const Surface&,
+                                                      const BoundOptions&, Progress&);
+template Result<VerifyReport> verify_surface_bound<3>(const Model<3>&, const Surface&,
+                                                      const BoundOptions&, Progress&);
 
 }  // namespace lode

@@ -56,4 +56,11 @@ template <int D>
                                                         const ExtractOptions& options,
                                                         Progress& progress);
 
+/// Checks a surface against the model's samples alone; see Dataset::verify_bound.
+template <int D>
+[[nodiscard]] Result<VerifyReport> verify_surface_bound(const diamond::Model<D>& model,
+                                                        const Surface& surface,
+                                                        const BoundOptions& options,
+                                                        Progress& progress);
+
 }  // namespace lode

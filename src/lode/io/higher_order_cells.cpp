@@ -119,7 +119,11 @@ std::span<std::uint32_t> nodes_of(CellMesh& mesh, std::size_t cell) {
 
 }  // namespace
 
-bool can_linearise(std::uint8_t type) { return find_of_corners(type) != nullptr; }
+bool can_linearise(const CellMesh& mesh, std::size_t cell) {
+  const OfCorners* const of = find_of_corners(mesh.types[cell]);
+  return of != nullptr && mesh.corners_of(cell).size() >=
+                              cell_kind(static_cast<std::uint8_t>(of->of_corners))->n_corners;
+}
 
 void name_lagrange_cells(CellMesh& mesh) {
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {

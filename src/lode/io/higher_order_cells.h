@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "lode/core/cell_mesh.h"
@@ -19,7 +20,7 @@ void name_lagrange_cells(CellMesh& mesh);
 /// Leaves of all solid cells of higher order their corners.
 void linearise(CellMesh& mesh);
 
-/// Whether linearise() makes something of a type.
-[[nodiscard]] bool can_linearise(std::uint8_t type);
+/// Whether linearise() makes something of a cell.
+[[nodiscard]] bool can_linearise(const CellMesh& mesh, std::size_t cell);
 
 }  // namespace lode::io

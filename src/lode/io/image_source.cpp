@@ -1,11 +1,11 @@
 #include "lode/io/image_source.h"
-#include "lode/core/label.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <new>
 
+#include "lode/core/label.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/io/text.h"
 

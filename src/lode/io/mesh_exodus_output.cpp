@@ -219,7 +219,11 @@ std::vector<std::string> names_of_scalars(const std::string& first_field,
   std::vector<std::string> names{vtk_array_name(first_field)};
   for (const Attribute& attribute : attributes) names.push_back(vtk_array_name(attribute.name));
   for (const ArrayOfFields& array : arrays_of_fields(first_field, attributes)) {
-    if (array.fields.size() != 3) continue;
+    const auto is_taken = [&](char axis) {
+      const std::string name = fmt::format("{}_{}", vtk_array_name(array.name), axis);
+      return std::ranges::find(names, name) != names.end();
+    };
+    if (array.fields.size() != 3 || is_taken('x') || is_taken('y') || is_taken('z')) continue;
     for (std::size_t i = 0; i < 3; ++i)
       names[static_cast<std::size_t>(array.fields[i]) + 1] =
           fmt::format("{}_{}", vtk_array_name(array.name), "xyz"[i]);

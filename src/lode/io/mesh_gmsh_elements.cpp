@@ -2,7 +2,7 @@
 #include <array>
 #include <optional>
 #include <span>
-#include <vector>
+#include <utility>
 
 #include "lode/io/mesh_checks.h"
 #include "lode/io/mesh_gmsh_input.h"
@@ -17,7 +17,7 @@ struct GmshKind {
   std::uint8_t n_nodes = 0;
 };
 
-/// Types 1 to 31; with the two below all that Gmsh's manual lists. Those of third order and more
+/// Types 1 to 31. Those of third order and more
 /// are Lagrange cells here, whose corners come first as in VTK; the order of the others is not put
 /// right, as only corners are ever used of them.
 constexpr std::array<GmshKind, 31> kGmshKinds = {
@@ -25,14 +25,21 @@ constexpr std::array<GmshKind, 31> kGmshKinds = {
      {22, 6},  {28, 9},  {24, 10}, {29, 27}, {32, 18}, {74, 14}, {1, 1},   {23, 8},
      {25, 20}, {26, 15}, {27, 13}, {69, 9},  {69, 10}, {69, 12}, {69, 15}, {69, 15},
      {69, 21}, {68, 4},  {68, 5},  {68, 6},  {71, 20}, {71, 35}, {71, 56}}};
-constexpr std::int64_t kHexahedronOf64 = 92;
-constexpr std::int64_t kHexahedronOf125 = 93;
+/// Those of third and fourth order behind, by their numbers in GmshDefines.h.
+constexpr std::array<std::pair<std::int64_t, GmshKind>, 8> kMoreKinds = {{{36, {70, 16}},
+                                                                          {37, {70, 25}},
+                                                                          {90, {73, 40}},
+                                                                          {91, {73, 75}},
+                                                                          {92, {72, 64}},
+                                                                          {93, {72, 125}},
+                                                                          {118, {74, 30}},
+                                                                          {119, {74, 55}}}};
 
 std::optional<GmshKind> kind_of(std::int64_t number) {
   if (number >= 1 && std::cmp_less_equal(number, kGmshKinds.size()))
     return kGmshKinds[static_cast<std::size_t>(number - 1)];
-  if (number == kHexahedronOf64) return GmshKind{72, 64};
-  if (number == kHexahedronOf125) return GmshKind{72, 125};
+  for (const auto& [known, kind] : kMoreKinds)
+    if (known == number) return kind;
   return {};
 }
 
@@ -64,7 +71,8 @@ std::span<const std::uint8_t> order_of(const GmshKind& kind) {
 void put_in_order(const GmshKind& kind, std::span<std::uint32_t> nodes) {
   const std::span<const std::uint8_t> order = order_of(kind);
   if (order.empty()) return;
-  const std::vector<std::uint32_t> given(nodes.begin(), nodes.end());
+  std::array<std::uint32_t, kHexahedronOrder.size()> given{};
+  std::copy(nodes.begin(), nodes.end(), given.begin());
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = given[order[i]];
 }
 
@@ -72,8 +80,10 @@ void put_in_order(const GmshKind& kind, std::span<std::uint32_t> nodes) {
 /// read.
 Result<GmshKind> expect_kind(std::int64_t number, std::int64_t n, const GmshInput& input) {
   if (const auto kind = kind_of(number)) return *kind;
-  return fail("{}: expected elements of Gmsh's types 1 to 31, 92 or 93, got at least {} of type {}",
-              input.text.path(), n, number);
+  return fail(
+      "{}: expected elements of Gmsh's types 1 to 31, 36, 37, 90 to 93, 118 or 119, got at least "
+      "{} of type {}",
+      input.text.path(), n, number);
 }
 
 /// An element's type, its tag and its first physical group.

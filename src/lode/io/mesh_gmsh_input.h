@@ -59,7 +59,7 @@ struct GmshInput {
 
 [[nodiscard]] Result<void> read_gmsh_nodes(GmshInput& input);
 
-/// Fails on types that Gmsh's manual does not list.
+/// Fails on types above fourth order, and on others that GmshDefines.h lists but no mesher makes.
 [[nodiscard]] Result<void> read_gmsh_elements(GmshInput& input);
 
 /// $NodeData and $ElementData, behind all nodes and elements.

@@ -6,6 +6,7 @@
 #include "lode/io/nrrd_axes.h"
 #include "lode/io/nrrd_data.h"
 #include "lode/io/nrrd_files.h"
+#include "lode/io/nrrd_units.h"
 #include "lode/io/text.h"
 #include "lode/io/text_cursor.h"
 #include "lode/io/text_samples.h"
@@ -157,34 +158,6 @@ Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeade
   return data;
 }
 
-/// The one unit that a list of them in quotes names, beside empty ones; empty where several.
-std::string common_unit(std::string_view list) {
-  std::string common;
-  while (true) {
-    const std::size_t begin = list.find('"');
-    const std::size_t end = begin == list.npos ? begin : list.find('"', begin + 1);
-    if (end == list.npos) return common;
-    const std::string unit(trimmed(list.substr(begin + 1, end - begin - 1)));
-    if (!common.empty() && !unit.empty() && unit != common) return {};
-    if (!unit.empty()) common = unit;
-    list.remove_prefix(end + 1);
-  }
-}
-
-/// Of the space, else of all axes.
-std::string length_unit_of(const NrrdFields& fields) {
-  for (const char* key : {"space units", "units"})
-    if (const auto it = fields.find(key); it != fields.end()) return common_unit(it->second);
-  return {};
-}
-
-std::string value_unit_of(const NrrdFields& fields) {
-  const auto it = fields.find("sample units");
-  if (it == fields.end()) return {};
-  const std::string unit = common_unit(it->second);
-  return unit.empty() ? std::string(trimmed(it->second)) : unit;
-}
-
 std::string_view name_of(NrrdEncoding encoding) {
   constexpr std::array<std::string_view, 4> kNames = {"raw", "gzip", "text", "hex"};
   return kNames[static_cast<std::size_t>(encoding)];
@@ -207,11 +180,11 @@ Result<Image> read_nrrd(const std::string& path, const SampleStorage& storage) {
               .grid = axes.grid,
               .fields = {},
               .tally = file->tally(),
-              .length_unit = length_unit_of(header.fields)};
+              .length_unit = std::move(axes.length_unit)};
   ImageField field{.name = {}, .layout = axes.layout, .load = [data, n_bytes, storage] {
                      return load_nrrd_data(data, n_bytes, storage);
                    }};
-  field.value_unit = value_unit_of(header.fields);
+  field.value_unit = nrrd_value_unit(header.fields);
   image.fields.push_back(std::move(field));
   return image;
 }

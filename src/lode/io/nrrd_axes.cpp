@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lode/io/image_grid.h"
+#include "lode/io/nrrd_units.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -231,6 +232,10 @@ Result<NrrdAxes> parse_nrrd_axes(const std::string& path, const NrrdFields& fiel
         path, space_axes.size(), n_other[0], n_other[1]);
   Frame frame = Frame::unknown;
   result.frame_note = note_nrrd_frame(fields, frame);
+  std::vector<bool> is_spatial;
+  is_spatial.reserve(axes.size());
+  for (const Axis& axis : axes) is_spatial.push_back(axis.role == Role::space);
+  result.length_unit = nrrd_length_unit(fields, is_spatial, result.frame_note);
   LODE_TRY(result.grid, make_nrrd_grid(path, fields, space_axes, frame));
   // The rows of missing axes follow one another, so that whole slices are read at once.
   for (std::size_t k = space_axes.size(); k < 3; ++k)

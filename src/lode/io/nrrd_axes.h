@@ -18,6 +18,7 @@ struct NrrdAxes {
   RegularGrid grid;
   SampleLayout layout;  ///< Byte order not yet set.
   std::string frame_note;
+  std::string length_unit;  ///< Empty: none, or several, which the note tells.
 };
 
 /// Sorts the axes into up to three of space, one of components and one of time: by their kinds,

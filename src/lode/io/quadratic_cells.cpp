@@ -107,20 +107,42 @@ void add_fan(const Outline& outline, std::uint32_t centre, std::vector<Triangle>
   }
 }
 
-double squared_length(const CellMesh& mesh, std::uint32_t a, std::uint32_t b) {
-  const Vec3d edge = mesh.points[a] - mesh.points[b];
-  return dot(edge, edge);
+double squared_length(const Vec3d& edge) { return dot(edge, edge); }
+
+/// A sum that is the same to the last bit whichever cell has the points in which order.
+Vec3d sum_of(const CellMesh& mesh, std::array<std::uint32_t, 4> points) {
+  std::sort(points.begin(), points.end());
+  Vec3d sum;
+  for (const std::uint32_t point : points) sum = sum + mesh.points[point];
+  return sum;
 }
 
-/// Where a fan of the triangles between middles begins: of four at an end of the shorter diagonal,
-/// of equally short ones that of the smallest point.
+/// A diagonal between two middles of a face's edges.
+struct Diagonal {
+  double off_middle = 0;  ///< How far its middle is from the face's, squared,
+  double length = 0;      ///< and its length, squared.
+  std::uint32_t smallest = 0;
+};
+
+/// Where a fan of the triangles between middles begins: of four at an end of the diagonal whose
+/// middle is nearer to that of the face, as its shape functions have it: along a curve, not across.
+/// Of those as near but for roundings at an end of the shorter, then of that of the smallest point.
 std::size_t first_middle(const CellMesh& mesh, const Outline& outline) {
   if (outline.n < 4) return 0;
+  constexpr double kRounding = 1e-12;  // of squared lengths
   const auto& m = outline.middles;
-  const auto key = [&](std::size_t i) {
-    return std::pair(squared_length(mesh, m[i], m[i + 2]), std::min(m[i], m[i + 2]));
+  const Vec3d middle = sum_of(mesh, m) * 0.5 - sum_of(mesh, outline.corners) * 0.25;
+  const auto diagonal = [&](std::size_t i) {
+    const Vec3d& a = mesh.points[m[i]];
+    const Vec3d& b = mesh.points[m[i + 2]];
+    return Diagonal{squared_length((a + b) * 0.5 - middle), squared_length(a - b),
+                    std::min(m[i], m[i + 2])};
   };
-  return key(0) < key(1) ? 0 : 1;
+  const Diagonal one = diagonal(0);
+  const Diagonal other = diagonal(1);
+  if (std::abs(one.off_middle - other.off_middle) > kRounding * (one.length + other.length))
+    return one.off_middle < other.off_middle ? 0 : 1;
+  return std::pair(one.length, one.smallest) < std::pair(other.length, other.smallest) ? 0 : 1;
 }
 
 void add_face(const CellMesh& mesh, const Outline& outline, std::vector<Triangle>& triangles) {
@@ -178,7 +200,7 @@ std::vector<Triangle> quadratic_triangles(const CellMesh& mesh, const QuadraticS
   triangles.reserve(kMost);
   for (const QuadraticFace& face : shape.faces) {
     const Outline outline = outline_of(face, nodes);
-    if (face.centre)
+    if (face.centre && outline.n == 4)
       add_fan(outline, nodes[*face.centre], triangles);
     else
       add_face(mesh, outline, triangles);

@@ -38,11 +38,10 @@ struct QuadraticShape {
 [[nodiscard]] bool is_quadratic(const CellMesh& mesh, std::size_t cell);
 
 /// Triangles between the nodes of a quadratic cell's faces, wound as seen from outside of cells of
-/// positive volume: one at each corner, and between the middles of edges one more, or two along
-/// the shorter diagonal (of equally short ones that of the smallest point); with a node in the
-/// middle of the face eight round it. So cells that share a face's nodes agree. Of quadrilaterals
-/// with a side of no length, which has one point for all of its nodes, those of the triangle that
-/// is left.
+/// positive volume: one at each corner, and between the middles of edges one more, or two along the
+/// diagonal that is nearer to the face's own middle; with a node there eight round it. So cells
+/// that share a face's nodes agree. Of quadrilaterals with a side of no length, which has one point
+/// for all of its nodes, those of the triangle that is left.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> quadratic_triangles(
     const CellMesh& mesh, const QuadraticShape& shape, std::span<const std::uint32_t> nodes);
 

@@ -236,7 +236,7 @@ Result<SplitCells> split_cells(const CellMesh& mesh) {
         "their faces are cut into, to be split round it, got {} in which none does, the first of "
         "them cell {}{}",
         mesh.path, unseen.n, unseen.first,
-        can_linearise(mesh.types[unseen.first])
+        can_linearise(mesh, unseen.first)
             ? ": that of its corners, which --linearise corners takes, is not bent"
             : "");
   return split;

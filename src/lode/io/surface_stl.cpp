@@ -48,10 +48,13 @@ Result<void> check_can_hold(const std::string& path, const Surface& surface) {
   return {};
 }
 
-/// 80 bytes that do not start with "solid", which would make the file look like ASCII STL.
+/// 80 bytes that do not start with "solid", which would make the file look like ASCII STL. What of
+/// the comment does not fit is left out from a comma on: a number that is cut is another one.
 std::string stl_header(const SurfaceWriteOptions& options) {
-  std::string header =
-      fmt::format("binary STL, frame {}, {}", name_of(options.frame), to_one_line(options.comment));
+  std::string header = "binary STL";
+  if (options.frame != Frame::unknown) header += fmt::format(", frame {}", name_of(options.frame));
+  header += ", " + to_one_line(options.comment);
+  if (header.size() > kStlHeaderBytes) header.resize(header.rfind(", ", kStlHeaderBytes));
   header.resize(kStlHeaderBytes, ' ');
   return header;
 }

@@ -56,7 +56,7 @@ Result<void> check_types(const CellMesh& mesh, TetraReport& report) {
     report.n_quadratic += is_quadratic(mesh, cell) ? 1 : 0;
     if (!is_solid(type) || can_split(type) || quadratic_shape(mesh, cell)) continue;
     ++refused[type];
-    n_to_linearise += can_linearise(type) ? 1 : 0;
+    n_to_linearise += can_linearise(mesh, cell) ? 1 : 0;
   }
   std::string others;
   for (std::size_t i = 0; i < kNTypes; ++i)
@@ -264,7 +264,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   if (!options.region_field) report.regions_not_taken = find_regions_not_taken(mesh, regions);
   const std::size_t n_given = mesh.points.size();
   LODE_CHECK(weld(options, chosen, mesh, report));
-  LODE_CHECK(check_shared_nodes(mesh));
+  LODE_TRY(report.n_parted_faces, check_shared_nodes(mesh));
   LODE_TRY(SplitCells split, split_cells(mesh));
   report.n_repeating = split.n_repeating;
   report.n_new_points = split.centre_cells.size();

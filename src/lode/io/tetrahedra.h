@@ -96,7 +96,8 @@ struct TetraReport {
   std::uint64_t n_coincident_points = 0;  ///< At the place of another vertex, kept.
   std::uint64_t n_new_points = 0;         ///< Within polyhedra and quadratic cells.
   std::uint64_t n_quadratic = 0;          ///< Cells split between the nodes of edges' middles, too.
-  std::uint64_t n_reordered = 0;          ///< Quadratic cells whose nodes were in another order.
+  std::uint64_t n_parted_faces = 0;  ///< Of these, that have other nodes than their neighbours.
+  std::uint64_t n_reordered = 0;     ///< Quadratic cells whose nodes were in another order.
   // Of tetrahedra, after cells were split:
   std::uint64_t n_repeating = 0;      ///< Left out: a corner is there twice.
   std::uint64_t n_zero_volume = 0;    ///< Kept, for the mesh to conform.

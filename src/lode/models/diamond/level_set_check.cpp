@@ -8,6 +8,7 @@
 
 #include "lode/models/diamond/cell_neighbours.h"
 #include "lode/models/diamond/cell_pieces.h"
+#include "lode/models/diamond/in_box.h"
 #include "lode/models/diamond/surface_coordinates.h"
 
 namespace lode::diamond {
@@ -116,7 +117,17 @@ class SimplexChecker {
     return deviation > 0 && simplex_ < report_.worst_simplex;
   }
 
+  [[nodiscard]] bool is_asked(const Piece& part) const {
+    const auto has_all = [&](const Box3d& box) {
+      for (std::size_t i = 0; i < part.size(); ++i)
+        if (!is_in_box(box, samples_.grid().to_world(field_.to_index(part[i])))) return false;
+      return true;
+    };
+    return options_.boxes.empty() || std::ranges::any_of(options_.boxes, has_all);
+  }
+
   void evaluate(const Piece& part) {
+    if (!is_asked(part)) return;
     // Values are sums of four products with weights off by a few units, and by what rounding of
     // coordinates (up to 2^-52 of the largest) and of to_index moves their point.
     const double largest_index =

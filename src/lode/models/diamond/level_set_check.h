@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lode/core/parallel.h"
@@ -22,6 +23,8 @@ struct LevelSetOptions {
   std::optional<Box3d> clip = {};  ///< The surface must stay inside; its planes may have caps.
   Caps caps = Caps::none;
   double cap_tolerance = 0;  ///< How much more isovalue - F may be on these.
+  /// Where there are some: only pieces that lie in one of them are looked at.
+  std::span<const Box3d> boxes = {};
   Threads threads = {};
 };
 

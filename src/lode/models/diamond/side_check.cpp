@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "lode/models/diamond/in_box.h"
 #include "lode/models/diamond/lattice.h"
 
 namespace lode::diamond {
@@ -176,25 +177,37 @@ class SideChecker {
   [[nodiscard]] std::uint64_t check_row(const RowCrossings& rows, std::size_t row, std::int32_t n,
                                         std::vector<Pair>& wrong) const {
     std::uint64_t n_pairs = 0;
-    std::optional<Index3> last;
+    bool has_last = false;
+    Index3 last;
     bool was_above = false;
     bool changes = false;  // the side since then
     for (std::int32_t x = 0; x < n; ++x) {
       if (x > 0 && options_.has_holes && is_removed_cell(samples_, rows.cell(row, x - 1)))
-        last.reset();
+        has_last = false;
       if (rows.is_crossed(row, x)) changes = !changes;
       const Index3 at = rows.sample(row, x);
       const double above = samples_.sample(at) - options_.isovalue;
       if (!(std::abs(above) > options_.error)) continue;
-      if (last) {
+      if (has_last && is_asked(last, at)) {
         ++n_pairs;
-        if (changes != (was_above != (above > 0))) wrong.push_back({*last, at});
+        if (changes != (was_above != (above > 0))) wrong.push_back({last, at});
       }
+      has_last = true;
       last = at;
       was_above = above > 0;
       changes = false;
     }
     return n_pairs;
+  }
+
+  [[nodiscard]] bool is_asked(const Index3& a, const Index3& b) const {
+    const auto world = [&](const Index3& p) {
+      return samples_.grid().to_world({{1.0 * p[0], 1.0 * p[1], 1.0 * p[2]}});
+    };
+    const auto has_both = [&](const Box3d& box) {
+      return is_in_box(box, world(a)) && is_in_box(box, world(b));
+    };
+    return options_.boxes.empty() || std::ranges::any_of(options_.boxes, has_both);
   }
 
   const FieldSamples& samples_;

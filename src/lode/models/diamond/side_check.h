@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
+#include "lode/core/box.h"
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
@@ -15,6 +17,7 @@ struct SideOptions {
   double isovalue = 0;
   double error = 0;       ///< Samples farther than this from the isovalue are asked about.
   bool has_holes = true;  ///< Whether cells may be removed.
+  std::span<const Box3d> boxes = {};  ///< Where there are some: only pairs in one of them.
   Threads threads = {};
 };
 
