@@ -197,6 +197,7 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
   VerifyReport of_surface;
   if (!arguments.error_bound.empty()) {
     LODE_TRY(const BoundOptions bound, bound_of(arguments, input.info, session.threads()));
+    warn_of_boxes(bound.boxes, input.info.volume.grid.world_bounds(), session);
     LODE_TRY(const Surface surface, read_surface(arguments.surface()));
     LODE_TRY(of_surface, input.dataset.verify_bound(surface, bound, session.progress()));
   } else if (!arguments.surfaces.empty()) {
@@ -338,8 +339,10 @@ Command add_verify_command(CLI::App& program) {
                   "alone, or with % of the range of values, and to samples that are farther being "
                   "on their sides: one of a focus, a budget or a deadline, which no query repeats")
       ->type_name("E");
-  app->add_option("--box", arguments->boxes,
-                  "With --error-bound: only in a box, X0,X1,Y0,Y1,Z0,Z1; may be repeated")
+  app->add_option(
+         "--box", arguments->boxes,
+         "With --error-bound: only of what of the surface, and which samples, are in a box; may be "
+         "repeated")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1")
       ->allow_extra_args(false);
   app->add_flag(

@@ -355,13 +355,22 @@ Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& readin
   return {};
 }
 
+/// The first of them.
+std::string list_ids(const std::vector<std::int64_t>& ids) {
+  constexpr std::ptrdiff_t kMost = 10;
+  const auto n = std::min(kMost, std::ssize(ids));
+  return fmt::format("{}{}", fmt::join(ids.begin(), ids.begin() + n, ", "),
+                     n < std::ssize(ids) ? ", ..." : "");
+}
+
 /// Where values are lacking in some regions alone.
 std::string advice_on_regions(const AveragedField& field) {
   if (field.nonfinite_regions.empty()) return {};
   return fmt::format(
-      ", all of them in the region{} {}: --only-region {} takes the others (info lists them)",
-      field.nonfinite_regions.size() > 1 ? "s" : "", fmt::join(field.nonfinite_regions, ", "),
-      field.finite_regions.front());
+      ", all of them in the region{} {}: the regions {} may be read alone, each by an "
+      "--only-region (info lists them)",
+      field.nonfinite_regions.size() > 1 ? "s" : "", list_ids(field.nonfinite_regions),
+      list_ids(field.finite_regions));
 }
 
 }  // namespace
@@ -390,9 +399,10 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
       if (of_cells.name == field.name && of_cells.n_nonfinite_cells > 0)
         return fail(
             "{}: field {}: expected finite values, got {} that {} not, the first at cell {} "
-            "(from 0){}",
+            "(from 0{}){}",
             path, field.name, of_cells.n_nonfinite_cells,
             of_cells.n_nonfinite_cells > 1 ? "are" : "is", of_cells.first_nonfinite,
+            made->report.n_other_regions > 0 ? ", of those that are kept" : "",
             advice_on_regions(of_cells));
     return fail(
         "{}: field {}: expected finite values, got {} that {} not, the first at point {} "

@@ -75,7 +75,7 @@ void check_block(int file, int block) {
   for (const std::size_t n : counts) expected += (expected.empty() ? "" : ", ") + std::to_string(n);
   throw std::runtime_error("block " + std::to_string(block) + ", of elements " + type +
                            ": expected " + expected + " nodes each, got " +
-                           std::to_string(n_nodes) + ", which VTK's reader would take for others");
+                           std::to_string(n_nodes) + ", of which VTK's reader would not take all");
 }
 
 }  // namespace

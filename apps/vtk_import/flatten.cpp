@@ -352,11 +352,12 @@ Flattened flatten(vtkDataObject& data, BlockPoints points) {
     if (auto* const block = vtkStructuredGrid::SafeDownCast(leaf.data)) hide_cells(*block);
   }
   vtkCellData& cells = *made.grid->GetCellData();
-  const auto add_columns = [&leaves](int association, vtkDataSetAttributes& attributes) {
+  const bool is_exodus = points == BlockPoints::shared;
+  const auto add_columns = [&leaves, is_exodus](int association, vtkDataSetAttributes& attributes) {
     const std::map<std::string, Column> columns = columns_of(leaves, association);
     for (const auto& [name, column] : columns) {
       const auto array = joined(leaves, association, name, column);
-      array->SetName(name_of(name, columns).c_str());
+      if (is_exodus) array->SetName(name_of(name, columns).c_str());
       attributes.AddArray(array);
     }
   };

@@ -303,8 +303,8 @@ class Dataset {
                                                     const ExtractOptions& options,
                                                     Progress& progress) const;
   /// Checks a surface of any origin, as one of a focus or a budget, which no query repeats alone:
-  /// manifold, oriented, free of self-intersections, |F - isovalue| within the bound on it, and
-  /// samples that are farther on the sides where they belong.
+  /// manifold, consistently oriented, free of self-intersections, |F - isovalue| within the bound
+  /// on it, and samples that are farther on two sides of it, whichever it faces.
   [[nodiscard]] Result<VerifyReport> verify_bound(const Surface& surface,
                                                   const BoundOptions& options,
                                                   Progress& progress) const;

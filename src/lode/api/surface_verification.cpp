@@ -397,10 +397,13 @@ Result<VerifyReport> verify_surface_bound(const Model<D>& model, const Surface& 
                                                            .boxes = options.boxes,
                                                            .threads = options.threads},
                                                           progress));
-  report.add(options.boxes.empty() ? "|F - isovalue| <= bound + slack"
-                                   : "|F - isovalue| <= bound + slack in the boxes",
-             level_set.n_pieces, level_set.holds() ? 0 : 1,
-             describe_level_set(surface, level_set, options.error, slack));
+  const char* const name = options.boxes.empty() ? "|F - isovalue| <= bound + slack"
+                                                 : "|F - isovalue| <= bound + slack in the boxes";
+  if (level_set.n_pieces == 0)
+    report.skip(name, options.boxes.empty() ? "there is no surface" : "no surface is in the boxes");
+  else
+    report.add(name, level_set.n_pieces, level_set.holds() ? 0 : 1,
+               describe_level_set(surface, level_set, options.error, slack));
   if constexpr (D == 3)
     LODE_CHECK(add_sides(model, surface,
                          {.isovalue = options.isovalue,

@@ -19,12 +19,16 @@ bool is_none(std::string_view unit) {
   return unit.empty() || unit == "???" || equals_ignoring_case(unit, "none");
 }
 
-/// The unit of all; empty where they differ, or have none.
+/// The one unit among these, beside none; empty where they differ.
 std::string common_unit(const std::vector<std::string>& units, std::string& note) {
-  if (units.empty()) return {};
-  const bool is_one = std::all_of(units.begin(), units.end(),
-                                  [&](const std::string& unit) { return unit == units.front(); });
-  if (is_one) return is_none(units.front()) ? std::string() : units.front();
+  std::string common;
+  bool is_one = true;
+  for (const std::string& unit : units) {
+    if (is_none(unit)) continue;
+    is_one = is_one && (common.empty() || unit == common);
+    common = unit;
+  }
+  if (is_one) return common;
   std::vector<std::string> shown;
   shown.reserve(units.size());
   for (const std::string& unit : units) shown.push_back(in_quotes(unit));

@@ -14,7 +14,7 @@ namespace lode::io {
 [[nodiscard]] std::optional<std::vector<std::string>> split_quoted(std::string_view list);
 
 /// The unit that "space units" name, or "units" for the axes of space, which are marked: where all
-/// have the same one. `note`: gets those that differ.
+/// that have one have the same. `note`: gets those that differ.
 [[nodiscard]] std::string nrrd_length_unit(const NrrdFields& fields,
                                            const std::vector<bool>& is_spatial, std::string& note);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -105,12 +106,14 @@ std::vector<std::uint32_t> middles_of(const CellMesh& mesh, const SharedFace& sh
   const auto nodes = mesh.corners_of(shared.cell);
   const std::size_t n = n_corners(face.corners);
   std::vector<std::array<std::uint32_t, 3>> by_edge;
+  by_edge.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const auto [a, b] = std::minmax(nodes[face.corners[i]], nodes[face.corners[(i + 1) % n]]);
     by_edge.push_back({a, b, nodes[face.middles[i]]});
   }
   std::sort(by_edge.begin(), by_edge.end());
   std::vector<std::uint32_t> middles;
+  middles.reserve(n + 1);
   for (const auto& [a, b, middle] : by_edge) middles.push_back(middle);
   middles.push_back(face.centre ? nodes[*face.centre] : kNoNode);
   return middles;
@@ -190,9 +193,11 @@ std::size_t count_beside_polyhedra(const CellMesh& mesh) {
       for (const std::uint32_t corner : distinct_corners(mesh, cell)) is_polyhedrons[corner] = true;
   std::size_t n = 0;
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
-    const auto nodes = mesh.corners_of(cell);
-    const auto is_shared = [&](std::uint32_t node) { return is_polyhedrons[node]; };
-    if (is_quadratic(mesh, cell) && std::count_if(nodes.begin(), nodes.end(), is_shared) > 1) ++n;
+    if (!is_quadratic(mesh, cell)) continue;
+    std::set<std::uint32_t> shared;
+    for (const std::uint32_t node : mesh.corners_of(cell))
+      if (is_polyhedrons[node]) shared.insert(node);
+    if (shared.size() > 1) ++n;
   }
   return n;
 }
@@ -230,7 +235,9 @@ Result<std::uint64_t> check_shared_nodes(const CellMesh& mesh) {
   if (const std::size_t n = found.count(Difference::doubled); n > 0)
     return fail(
         "{}: expected both cells at a face to have the same nodes in the middles of its edges, got "
-        "{} faces with two at one place, the first at points {}: --weld 0 makes them one",
+        "{} faces with two at one place, the first at points {}: --weld 0, with --weld-values "
+        "where "
+        "values differ, makes them one",
         mesh.path, n, fmt::join(found.corners(Difference::doubled), ", "));
   return found.count(Difference::elsewhere);
 }

@@ -53,7 +53,7 @@ Result<void> check_can_hold(const std::string& path, const Surface& surface) {
 std::string stl_header(const SurfaceWriteOptions& options) {
   std::string header = "binary STL";
   if (options.frame != Frame::unknown) header += fmt::format(", frame {}", name_of(options.frame));
-  header += ", " + to_one_line(options.comment);
+  if (!options.comment.empty()) header += ", " + to_one_line(options.comment);
   if (header.size() > kStlHeaderBytes) header.resize(header.rfind(", ", kStlHeaderBytes));
   header.resize(kStlHeaderBytes, ' ');
   return header;

@@ -148,13 +148,16 @@ Result<std::uint64_t> keep_regions(const TetraOptions& options, std::size_t regi
   const std::vector<std::string> names = names_of_regions(mesh, regions, ids);
   std::set<std::int64_t> wanted;
   for (const std::string& text : options.only_regions) {
+    // What is a region's number is no other one's name.
     const auto number = to_int64(text);
-    bool is_found = false;
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (number != ids[i] && (names.empty() || names[i] != text)) continue;
-      wanted.insert(ids[i]);
-      is_found = true;
-    }
+    const bool is_number = number && std::binary_search(ids.begin(), ids.end(), *number);
+    bool is_found = is_number;
+    if (is_number) wanted.insert(*number);
+    for (std::size_t i = 0; i < names.size() && !is_number; ++i)
+      if (names[i] == text) {
+        wanted.insert(ids[i]);
+        is_found = true;
+      }
     if (!is_found)
       return fail("{}: expected one of its regions ({}), got {}", mesh.path,
                   list_regions(ids, names), in_quotes(text));

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "lode/models/diamond/cell_neighbours.h"
 #include "lode/models/diamond/cell_pieces.h"
-#include "lode/models/diamond/in_box.h"
 #include "lode/models/diamond/surface_coordinates.h"
 
 namespace lode::diamond {
@@ -54,6 +54,36 @@ double isovalue_of(const Surface& surface, const std::vector<double>& isovalues,
   return *std::min_element(isovalues.begin(), isovalues.end(), [&](double a, double b) {
     return std::abs(a - attribute) < std::abs(b - attribute);
   });
+}
+
+/// A point of the world with F - isovalue there.
+struct ValuedPoint {
+  Vec3d place;
+  double value = 0;
+};
+
+using ValuedPolygon = std::vector<ValuedPoint>;
+
+/// What of a convex polygon, on which values are linear, lies in a box (Sutherland and Hodgman).
+ValuedPolygon clipped(ValuedPolygon polygon, const Box3d& box) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      const double plane = side < 0 ? box.lower[axis] : box.upper[axis];
+      const auto beyond = [&](const ValuedPoint& p) { return side * (p.place[axis] - plane); };
+      ValuedPolygon left;
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const ValuedPoint& p = polygon[i];
+        const ValuedPoint& q = polygon[(i + 1) % polygon.size()];
+        const double of_p = beyond(p);
+        const double of_q = beyond(q);
+        if (of_p <= 0) left.push_back(p);
+        if (!((of_p < 0 && of_q > 0) || (of_p > 0 && of_q < 0))) continue;
+        const double t = of_p / (of_p - of_q);
+        left.push_back({p.place * (1 - t) + q.place * t, p.value * (1 - t) + q.value * t});
+      }
+      polygon = std::move(left);
+    }
+  return polygon;
 }
 
 /// One worker's view: checks simplex after simplex and keeps the last cell it read.
@@ -117,17 +147,8 @@ class SimplexChecker {
     return deviation > 0 && simplex_ < report_.worst_simplex;
   }
 
-  [[nodiscard]] bool is_asked(const Piece& part) const {
-    const auto has_all = [&](const Box3d& box) {
-      for (std::size_t i = 0; i < part.size(); ++i)
-        if (!is_in_box(box, samples_.grid().to_world(field_.to_index(part[i])))) return false;
-      return true;
-    };
-    return options_.boxes.empty() || std::ranges::any_of(options_.boxes, has_all);
-  }
-
+  /// F is linear on the part, so also on what of it lies in a box.
   void evaluate(const Piece& part) {
-    if (!is_asked(part)) return;
     // Values are sums of four products with weights off by a few units, and by what rounding of
     // coordinates (up to 2^-52 of the largest) and of to_index moves their point.
     const double largest_index =
@@ -135,16 +156,24 @@ class SimplexChecker {
     const double rounding =
         field_.magnitude() *
         (0x1p-49 + 6 * (coordinates_.check_rounding() + 0x1p-50 * largest_index));
-    ++report_.n_pieces;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const double value = field_.value_at(part[i]);
+    ValuedPolygon corners;
+    for (std::size_t i = 0; i < part.size(); ++i)
+      corners.push_back(
+          {samples_.grid().to_world(field_.to_index(part[i])), field_.value_at(part[i])});
+    if (options_.boxes.empty()) look_at(corners, rounding);
+    for (const Box3d& box : options_.boxes) look_at(clipped(corners, box), rounding);
+  }
+
+  void look_at(const ValuedPolygon& corners, double rounding) {
+    report_.n_pieces += corners.empty() ? 0 : 1;
+    for (const auto& [place, value] : corners) {
       const double deviation = is_cap_ ? -value : std::abs(value);
       const double allowed = options_.tolerance + (is_cap_ ? options_.cap_tolerance : 0);
       is_beyond_ |= deviation > allowed + rounding;
       if (!is_worst_yet(deviation)) continue;
       report_.max_deviation = deviation;
       report_.worst_simplex = simplex_;
-      report_.worst_point = samples_.grid().to_world(field_.to_index(part[i]));
+      report_.worst_point = place;
     }
   }
 

@@ -23,7 +23,7 @@ struct LevelSetOptions {
   std::optional<Box3d> clip = {};  ///< The surface must stay inside; its planes may have caps.
   Caps caps = Caps::none;
   double cap_tolerance = 0;  ///< How much more isovalue - F may be on these.
-  /// Where there are some: only pieces that lie in one of them are looked at.
+  /// Where there are some: only what lies in one of them is looked at.
   std::span<const Box3d> boxes = {};
   Threads threads = {};
 };
