@@ -158,6 +158,8 @@ TEST(cli_terrain, says_what_terrain_is_of_files_that_are_none_and_why_of_those_t
   };
   expect_refusal(extract("x.foo"), 2, {"x.foo", "raster of heights (.tif", ".las"});
   expect_refusal(run_lode({"info", scratch / "x.foo"}), 1, {"x.foo", ".dt1", ".las"});
+  expect_refusal(extract("x.nrrd"), 2, {"x.nrrd", "cannot be opened"});
+  write_ball(scratch / "x.nrrd");
   expect_refusal(extract("x.nrrd"), 2, {"--isovalue"});
   write_bytes(scratch / "x.dt1", "no tile of DTED");
   expect_refusal(extract("x.dt1"), 1, {"x.dt1", "DTED", "got"});
