@@ -83,6 +83,27 @@ TEST_F(cli_extract, takes_half_a_percent_of_the_range_by_default_and_says_so) {
             std::string::npos);
 }
 
+TEST_F(cli_extract, says_why_nothing_is_below_the_least_value) {
+  // The ball's values are 0 where it ends, and not below.
+  const Finished run = extract("s.ply", {"--isovalue", "0", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_EQ(run.json().at("warnings").size(), 1U);
+  const std::string warning = run.json().at("warnings")[0];
+  EXPECT_NE(warning.find("no surface at isovalue 0: no value is below it"), std::string::npos)
+      << warning;
+}
+
+TEST_F(cli_extract, warns_where_a_memory_limit_is_not_kept) {
+  const auto warnings = [&](const std::string& input) {
+    const Finished run = run_lode({"extract", input, scratch_ / "s.ply", "--isovalue", "100",
+                                   "--memory-limit", "1G", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json().at("warnings").size();
+  };
+  EXPECT_EQ(warnings(volume()), 1U);
+  EXPECT_EQ(warnings(lode_file()), 0U);
+}
+
 TEST_F(cli_extract, writes_an_empty_file_and_warns_where_an_isovalue_meets_nothing) {
   for (const char* name : {"s.ply", "s.stl", "s.obj", "s.vtp", "s.glb"}) {
     const Finished run = extract(name, {"--isovalue", "1000", "--json"});

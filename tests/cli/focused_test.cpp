@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
+
 #include "lode/api/files.h"
 #include "tests/cli/ball_fixture.h"
 
@@ -67,6 +70,36 @@ TEST_F(cli_focused, is_held_to_its_bound_by_verify_and_to_no_smaller_one) {
   EXPECT_EQ(verified("1", {"--box", box}), 0);
   EXPECT_EQ(verified("1", {}), 1);
   EXPECT_EQ(verified("25", {}), 0);
+}
+
+/// Also where a box is smaller than a triangle; and where it has nothing nothing is said to hold.
+TEST_F(cli_focused, is_held_to_its_bound_by_verify_in_the_smallest_box) {
+  EXPECT_GT(report({"--max-cells", "600"}).at("triangles"), 0);
+  const auto checks_in = [&](const std::string& box) {
+    Words words{"verify",        lode_file(), "--surface", scratch_ / "s.ply", "--isovalue", "100",
+                "--error-bound", "0.1",       "--json"};
+    if (!box.empty()) words.insert(words.end(), {"--box", box});
+    return run_lode(words).json().at("checks");
+  };
+  const auto of_values = [](const nlohmann::json& checks) -> nlohmann::json {
+    for (const nlohmann::json& check : checks)
+      if (check.at("name").get<std::string>().starts_with("|F - isovalue|")) return check;
+    return {};
+  };
+  const std::string detail = of_values(checks_in("")).at("detail");
+  std::array<double, 3> at{};
+  const std::size_t place = detail.find("at (");
+  ASSERT_NE(place, std::string::npos) << detail;
+  ASSERT_EQ(std::sscanf(detail.c_str() + place, "at (%lf, %lf, %lf)", at.data(), at.data() + 1,
+                        at.data() + 2),
+            3);
+  const auto box = [&](double off) {
+    constexpr double kHalf = 0.01;
+    return fmt::format("{},{},{},{},{},{}", at[0] + off - kHalf, at[0] + off + kHalf, at[1] - kHalf,
+                       at[1] + kHalf, at[2] - kHalf, at[2] + kHalf);
+  };
+  EXPECT_EQ(of_values(checks_in(box(0))).at("passed"), false);
+  EXPECT_TRUE(of_values(checks_in(box(100))).at("passed").is_null());
 }
 
 TEST_F(cli_focused, whose_triangles_are_not_all_there_is_refused_by_verify) {

@@ -53,6 +53,14 @@ class cli_render_tetra : public testing::Test {
     EXPECT_EQ(read_bytes(output_).substr(1, 3), "PNG");
     return run.json();
   }
+  /// Its bytes.
+  [[nodiscard]] std::string picture(const char* size, const Words& options) const {
+    Words words{"render", input_, output_, "--size", size};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return read_bytes(output_);
+  }
   void expect_refused(const std::vector<std::string>& options, const char* message) const {
     const Finished run = render(options);
     EXPECT_NE(run.exit_code, 0);
@@ -103,13 +111,7 @@ TEST_F(cli_render_tetra, draws_the_boundary_in_the_colours_of_the_field) {
 }
 
 TEST_F(cli_render_tetra, has_a_legend_where_colours_stand_for_values) {
-  const auto drawn = [&](const Words& options) {
-    Words words{"render", input_, output_, "--size", "400x300"};
-    words.insert(words.end(), options.begin(), options.end());
-    const Finished run = run_lode(words);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return read_bytes(output_);
-  };
+  const auto drawn = [&](const Words& options) { return picture("400x300", options); };
   for (const Words& shown : {Words{"--boundary=field"}, {"--section", "0,0,1,3.5"}}) {
     Words without = shown;
     without.insert(without.end(), {"--legend", "off"});
@@ -131,12 +133,9 @@ std::string hexahedra_of_two_fields() {
 
 TEST_F(cli_render_tetra, may_have_the_colours_of_another_field) {
   write_bytes(input_, hexahedra_of_two_fields());
-  const auto drawn = [&](const Words& options) {
-    Words words{"render", input_, output_, "--size", "90x70", "--max-error", "0"};
-    words.insert(words.end(), options.begin(), options.end());
-    const Finished run = run_lode(words);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return read_bytes(output_);
+  const auto drawn = [&](Words options) {
+    options.insert(options.end(), {"--max-error", "0"});
+    return picture("90x70", options);
   };
   // Of cells as they are, what is cut or round them has the other field's colours whichever it is.
   for (const Words& shown : {Words{"--boundary=field"}, {"--section", "0,0,1,3.5"}}) {

@@ -223,8 +223,8 @@ struct SimplexMesh;
 struct BoundOptions {
   double isovalue = 0;
   double error = 0;  ///< Largest |F - isovalue|, field units.
-  std::vector<Box3d>
-      boxes{};  ///< World units; where there are some, it is so in each of them alone.
+  /// World units; where there are some, only what is in one of them counts.
+  std::vector<Box3d> boxes{};
   Threads threads{};
 };
 

@@ -99,23 +99,22 @@ std::vector<SharedFace> list_faces(const CellMesh& mesh) {
   return all;
 }
 
-/// The nodes in the middles of a face's edges, by the edges' corners, and in its own; none:
-/// kNoNode.
-std::vector<std::uint32_t> middles_of(const CellMesh& mesh, const SharedFace& shared) {
+/// The nodes in the middles of a face's edges, by the edges' corners, then that in its own; kNoNode
+/// where there is none.
+std::array<std::uint32_t, 5> middles_of(const CellMesh& mesh, const SharedFace& shared) {
   const QuadraticFace& face = quadratic_faces(mesh, shared.cell)[shared.face];
   const auto nodes = mesh.corners_of(shared.cell);
   const std::size_t n = n_corners(face.corners);
-  std::vector<std::array<std::uint32_t, 3>> by_edge;
-  by_edge.reserve(n);
+  std::array<std::array<std::uint32_t, 3>, 4> by_edge{};
   for (std::size_t i = 0; i < n; ++i) {
     const auto [a, b] = std::minmax(nodes[face.corners[i]], nodes[face.corners[(i + 1) % n]]);
-    by_edge.push_back({a, b, nodes[face.middles[i]]});
+    by_edge[i] = {a, b, nodes[face.middles[i]]};
   }
-  std::sort(by_edge.begin(), by_edge.end());
-  std::vector<std::uint32_t> middles;
-  middles.reserve(n + 1);
-  for (const auto& [a, b, middle] : by_edge) middles.push_back(middle);
-  middles.push_back(face.centre ? nodes[*face.centre] : kNoNode);
+  std::sort(by_edge.begin(), by_edge.begin() + static_cast<std::ptrdiff_t>(n));
+  std::array<std::uint32_t, 5> middles{};
+  middles.fill(kNoNode);
+  for (std::size_t i = 0; i < n; ++i) middles[i] = by_edge[i][2];
+  if (face.centre) middles[4] = nodes[*face.centre];
   return middles;
 }
 
@@ -123,8 +122,8 @@ std::vector<std::uint32_t> middles_of(const CellMesh& mesh, const SharedFace& sh
 enum class Difference { none, lacking, elsewhere, doubled };
 
 Difference difference_of(const CellMesh& mesh, const SharedFace& a, const SharedFace& b) {
-  const std::vector<std::uint32_t> of_a = middles_of(mesh, a);
-  const std::vector<std::uint32_t> of_b = middles_of(mesh, b);
+  const std::array<std::uint32_t, 5> of_a = middles_of(mesh, a);
+  const std::array<std::uint32_t, 5> of_b = middles_of(mesh, b);
   if (of_a == of_b) return Difference::none;
   Difference found = Difference::doubled;
   for (std::size_t i = 0; i < of_a.size(); ++i) {
@@ -158,16 +157,15 @@ FaceDifferences find_differences(const CellMesh& mesh) {
 }
 
 /// Quadratic faces with four corners of which two across are an edge of another cell, as where that
-/// has two triangles.
+/// has two triangles; and the first such edge.
 std::pair<std::size_t, std::array<std::uint32_t, 2>> find_cut_faces(
     const CellMesh& mesh, const std::vector<SharedEdge>& edges) {
   std::pair<std::size_t, std::array<std::uint32_t, 2>> found;
-  const auto is_edge = [&](std::uint32_t a, std::uint32_t b) {
+  const auto look_at = [&](std::uint32_t a, std::uint32_t b) {
     const std::array<std::uint32_t, 2> ends = {std::min(a, b), std::max(a, b)};
     const auto at = std::lower_bound(edges.begin(), edges.end(), SharedEdge{ends, false});
-    if (a == b || at == edges.end() || at->corners != ends) return false;
+    if (a == b || at == edges.end() || at->corners != ends) return;
     if (found.first++ == 0) found.second = ends;
-    return true;
   };
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
     const auto shape = quadratic_shape(mesh, cell);
@@ -178,7 +176,8 @@ std::pair<std::size_t, std::array<std::uint32_t, 2>> find_cut_faces(
       const std::array<std::uint32_t, 4> c = {nodes[corners[0]], nodes[corners[1]],
                                               nodes[corners[2]], nodes[corners[3]]};
       if (c[0] == c[1] || c[1] == c[2] || c[2] == c[3] || c[3] == c[0]) continue;
-      [[maybe_unused]] const bool is_cut = is_edge(c[0], c[2]) || is_edge(c[1], c[3]);
+      look_at(c[0], c[2]);
+      look_at(c[1], c[3]);
     }
   }
   return found;
@@ -236,8 +235,7 @@ Result<std::uint64_t> check_shared_nodes(const CellMesh& mesh) {
     return fail(
         "{}: expected both cells at a face to have the same nodes in the middles of its edges, got "
         "{} faces with two at one place, the first at points {}: --weld 0, with --weld-values "
-        "where "
-        "values differ, makes them one",
+        "where values differ, makes them one",
         mesh.path, n, fmt::join(found.corners(Difference::doubled), ", "));
   return found.count(Difference::elsewhere);
 }

@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "lode/models/diamond/in_box.h"
 #include "lode/models/diamond/lattice.h"
 
 namespace lode::diamond {
@@ -118,6 +117,11 @@ class RowCrossings {
 };
 
 using Pair = std::array<Index3, 2>;
+
+bool is_in_box(const Box3d& box, const Vec3d& p) {
+  return p[0] >= box.lower[0] && p[1] >= box.lower[1] && p[2] >= box.lower[2] &&
+         p[0] <= box.upper[0] && p[1] <= box.upper[1] && p[2] <= box.upper[2];
+}
 
 class SideChecker {
  public:
