@@ -112,6 +112,7 @@ std::optional<Kinds> kinds_in_command(const std::string& command, const std::str
       if (name == of_volumes) return kVolume;
   if (command == "verify" && (name == "isovalue" || name == "box")) return kVolume;
   if (command == "verify" && name == "max-error") return kUnlessMesh;
+  if (command == "probe" && name == "region") return kMesh;
   if (command != "render") return {};
   if (name == "max-cells") return kUnlessVolume;
   // Pictures of volumes and terrain have no foci.

@@ -103,6 +103,9 @@ void add_probe_options(CLI::App& app, ProbeArguments& arguments) {
       "With --point, --points, or N points of a --line: points that are outside, but no farther "
       "from a cell than D, get what its nearest point has (default: 2^-46 of the largest distance "
       "from the origin, which rounds coordinates)");
+  add("--memory-limit", arguments.memory_limit, "SIZE",
+      "Of a volume's .lode file: bytes that may be taken, as 512M or 4G (default: a quarter of the "
+      "memory)");
   add("-o,--output", arguments.output, "OUT.csv", "Write the rows to a file, too");
 }
 
@@ -127,8 +130,13 @@ Result<ProbeJob> to_probe_job(const ProbeArguments& arguments, Threads threads) 
     if (!(job.options.snap >= 0))
       return fail("--snap: expected a distance >= 0, got '{}'", arguments.snap);
   }
+  if (!arguments.memory_limit.empty()) {
+    LODE_TRY(job.options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
+  }
   job.options.threads = threads;
-  job.integral = {.max_error = job.options.max_error, .threads = threads};
+  job.integral = {.max_error = job.options.max_error,
+                  .memory_limit = job.options.memory_limit,
+                  .threads = threads};
   if (!arguments.box.empty()) {
     LODE_TRY(job.integral.box, parse_integral_box(arguments.box));
   }

@@ -21,6 +21,7 @@ struct ProbeArguments {
   std::vector<std::string> regions;
   std::string max_error;
   std::string snap;
+  std::string memory_limit;
   std::string output;
   ReadingArguments reading;
 };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "tetra_input.h"
@@ -154,6 +155,72 @@ void append_row(std::string& text, const std::vector<std::string>& row) {
 std::string exact_number(double x) { return fmt::format("{}", x); }
 
 }  // namespace
+
+void warn_of_answer(Session& session, const ProbeAnswer& answer, bool has_holes) {
+  if (answer.integral && answer.integral->is_empty)
+    session.warn("the integral is empty: no cell has a part in the region or box");
+  if (!answer.points.empty() && answer.report.n_outside > 0)
+    session.warn(fmt::format("{} of {} points are outside{}", answer.report.n_outside,
+                             answer.points.size(), has_holes ? ", or where a hole is near" : ""));
+  if (answer.report.n_near_boundary > 0)
+    session.warn(fmt::format(
+        "{} of the points are outside of the cut, but no farther than its boundary may be off: "
+        "if the field is there, it is from low to high",
+        answer.report.n_near_boundary));
+  const auto n_snapped = std::ranges::count_if(
+      answer.points, [](const ProbedPoint& point) { return point.snapped > 0; });
+  if (n_snapped > 0)
+    session.note(fmt::format(
+        "{} of the points are outside, and have what the nearest point inside has", n_snapped));
+  if (!answer.integral && answer.points.empty() && answer.line.empty())
+    session.warn("the line meets no cell");
+  if (!answer.report.memory_met)
+    session.warn(
+        fmt::format("the memory limit is too small for the tolerance: raise it (achieved error {})",
+                    format_number(answer.report.achieved_error)));
+}
+
+void add_probe_rows(const ProbeAnswer& answer, Table& table) {
+  const std::string suffix = std::string(" ") + name_of(answer.report.error_place);
+  table.add({"max error", answer.report.max_error == 0 ? std::string("0: full resolution")
+                                                       : format_number(answer.report.max_error)});
+  if (answer.report.max_error > 0)
+    table.add({"achieved error", format_number(answer.report.achieved_error) + suffix});
+  for (std::size_t f = 0; f < answer.with.size(); ++f) {
+    const ProbedField& more = answer.report.along[f];
+    table.add(
+        {"with", answer.report.max_error == 0
+                     ? answer.with[f]
+                     : fmt::format("{}, error {} {}", answer.with[f],
+                                   format_number(more.achieved_error), name_of(more.error_place))});
+  }
+  if (answer.integral && !answer.integral->is_empty) {
+    const IntegralReport& report = *answer.integral;
+    table.add({"cells", fmt::format("{}, {} of them whole", format_count(report.n_cells),
+                                    format_count(report.n_whole))});
+    table.add({"rounding", fmt::format("at most {:.3g} of the volume, {:.3g} of the integral",
+                                       report.volume_rounding, report.integral_rounding)});
+    if (report.integral_estimate > 0)
+      table.add({"integral off by", format_number(report.integral_estimate) +
+                                        (answer.report.error_place == ErrorPlace::everywhere
+                                             ? " at most"
+                                             : " by errors at samples, an estimate")});
+  }
+  table.add({"cells of the cut", format_count(answer.report.n_cut_cells)});
+  table.add({"probe", format_seconds(answer.report.seconds)});
+}
+
+void finish_probe(const ProbeAnswer& answer, const Table& head, double open_seconds,
+                  const Session& session, Outcome& outcome) {
+  outcome.json.update(probe_json(answer));
+  outcome.json["cut_cells"] = answer.report.n_cut_cells;
+  outcome.json["outside"] = answer.report.n_outside;
+  outcome.json["near_boundary"] = answer.report.n_near_boundary;
+  outcome.json["seconds"] = {{"total", answer.report.seconds}, {"open", open_seconds}};
+  outcome.json["warnings"] = session.warnings();
+  const std::string rows = probe_table(answer);
+  outcome.text = head.to_string() + (rows.empty() ? "" : '\n' + rows);
+}
 
 std::string probe_table(const ProbeAnswer& answer) {
   if (answer.integral) {

@@ -362,7 +362,7 @@ TEST_F(cli_probe, refuses_what_has_no_answer) {
   refused({"--point", "0,0,0", "--region", "2"}, "--region");
   refused({"--integral", "--max-error", "-1"}, "--max-error");
   refused({"--integral", "-o", "out.txt"}, ".csv");
-  refused({"--integral", "--dims", "3x3x3"}, "--field");
+  refused({"--integral", "--dims", "3x3x3"}, "--dims");
   expect_refusal(run_lode({"probe", scratch_ / "none.lode", "--point", "0,0,0"}), 2,
                  {"none.lode", "cannot open"});
   const Finished nowhere = run_lode({"probe", lode_, "--integral", "-o", "/none/such/out.csv"});

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -217,6 +218,13 @@ struct MeshReport;
 struct SectionOptions;
 struct SectionReport;
 struct SimplexMesh;
+struct ProbeOptions;
+struct ProbedPoint;
+struct ProbedLine;
+struct ProbedLinePoint;
+struct ProbeReport;
+struct IntegralOptions;
+struct IntegralReport;
 
 /// The one door: a multiresolution model, in memory or opened from a .lode file.
 /// What a surface is held to, whatever made it.
@@ -284,6 +292,21 @@ class Dataset {
   /// A planar section of a volume, or isolines on it; see mesh_extraction.h.
   [[nodiscard]] Result<SectionReport> extract_section(const SectionOptions& options,
                                                       Surface& section, Progress& progress) const;
+
+  /// The field of a volume at points, in their order; see probe.h. Of a file only what is near them
+  /// is read. Points beyond the data, or in cells that touch a hole, are outside.
+  [[nodiscard]] Result<ProbeReport> probe(std::span<const Vec3d> points,
+                                          const ProbeOptions& options,
+                                          std::vector<ProbedPoint>& found,
+                                          Progress& progress) const;
+  /// Along a line: where it meets faces of tetrahedra, or at points at equal distances.
+  [[nodiscard]] Result<ProbeReport> probe_line(const ProbedLine& line, const ProbeOptions& options,
+                                               std::vector<ProbedLinePoint>& found,
+                                               Progress& progress) const;
+  /// Over the volume, or a box. At full resolution from the samples alone, box by box; so it is
+  /// with a tolerance, too, unless the cells of its cut are few beside the samples.
+  [[nodiscard]] Result<IntegralReport> integrate(const IntegralOptions& options,
+                                                 Progress& progress) const;
 
   /// Compares samples with those of the original data, and finds errors and ranges from them by
   /// their definition. Of a file that would take more memory than a limit so (0: than the machine

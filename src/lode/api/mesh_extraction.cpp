@@ -1,13 +1,15 @@
 #include "lode/api/mesh_extraction.h"
 
 #include <algorithm>
+#include <limits>
 #include <new>
-#include <type_traits>
+#include <span>
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
+#include "lode/api/opened_nodes.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/surface_edits.h"
@@ -140,6 +142,24 @@ Query section_query(const SectionOptions& options) {
   return query;
 }
 
+/// Simplices that come so near a plane.
+struct NearPlane {
+  Vec3d point;
+  Vec3d normal;         ///< Unit length.
+  double distance = 0;  ///< World units.
+
+  [[nodiscard]] bool operator()(std::span<const Vec3d> corners) const {
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = -lowest;
+    for (const Vec3d& p : corners) {
+      const double d = dot(normal, p - point);
+      lowest = std::min(lowest, d);
+      highest = std::max(highest, d);
+    }
+    return lowest <= distance && highest >= -distance;
+  }
+};
+
 /// Triangles, or lines on them, from the cells that meet the plane.
 void fill_section(const SimplexMesh& mesh, const SectionOptions& options,
                   const SectionRounding& rounding, Surface& section, SectionReport& report) {
@@ -172,9 +192,10 @@ Result<SectionReport> extract_model_section(Nodes& opened, const SectionOptions&
       section_rounding(LatticeFrame::of(model.info.grid), options.plane.normal);
   const Demand demand =
       MeshDemand{to_demand(query), is_lines ? AtBorder::refined : AtBorder::clipped, rounding.snap};
-  const diamond::NearPlane near{options.plane.point, normalized(options.plane.normal),
-                                rounding.snap};
-  const diamond::CutMeshOptions mesh_options{.focus = demand, .only_focus = is_lines, .near = near};
+  const diamond::CutMeshOptions mesh_options{
+      .focus = demand,
+      .only_focus = is_lines,
+      .is_near = NearPlane{options.plane.point, normalized(options.plane.normal), rounding.snap}};
   SectionReport report{.max_error = *query.max_error};
   SimplexMesh mesh;
   LODE_CHECK(diamond::with_cut<3>(
@@ -194,42 +215,6 @@ Result<SectionReport> extract_model_section(Nodes& opened, const SectionOptions&
   report.n_vertices = section.positions.size();
   return report;
 }
-
-/// run(nodes) with the hierarchy's pages where the file is not loaded, and they serve the query
-/// better; else with the model.
-template <typename Run>
-auto with_nodes(const Dataset::Impl& impl, std::uint64_t memory_limit, bool reads_little,
-                Progress& progress, const Run& run)
-    -> std::invoke_result_t<Run, const diamond::Refinable<3>&> {
-  const std::uint64_t limit = memory_limit > 0 ? memory_limit : physical_memory() / 4;
-  const bool is_too_large = impl.is_in_file() && impl.model_bytes() > limit;
-  // Which coarse tetrahedra holes remove is known from fine samples.
-  if ((reads_little || is_too_large) && impl.summary().stats.n_holes == 0) {
-    LODE_TRY(const auto* const pages, impl.pages(progress));
-    if (pages != nullptr)
-      return std::visit(
-          [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model) {
-            model->set_memory_limit(memory_limit > 0 ? limit / 2 : limit);  // and half for the cut
-            diamond::PagedRefinable<D> nodes(*model);
-            return run(nodes);
-          },
-          *pages);
-  }
-  if (memory_limit > 0 && is_too_large)
-    return fail("expected a memory limit of at least {} MB for a field with holes, got {:g} MB",
-                impl.model_bytes() / 1'000'000 + 1, 1e-6 * static_cast<double>(limit));
-  LODE_TRY(const auto* const held, impl.model(progress));
-  return std::visit(
-      [&]<int D>(const diamond::Model<D>& model) {
-        const diamond::Refinable<D> nodes(model);
-        return run(nodes);
-      },
-      *held);
-}
-
-/// Of the nodes that with_nodes() passes on.
-template <int D, typename Field>
-std::integral_constant<int, D> dimension_of(const diamond::Refinable<D, Field>& nodes);
 
 }  // namespace
 

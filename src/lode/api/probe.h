@@ -29,6 +29,8 @@ struct ProbeOptions {
   /// nearest point of a cell has.
   double snap = 0;
   static constexpr double kSnapRounding = 0x1p-46;
+  /// Of a volume in a file: bytes that may be taken; 0: a quarter of the machine's memory.
+  std::uint64_t memory_limit = 0;
   Threads threads{};
 };
 
@@ -84,6 +86,7 @@ struct ProbeReport {
   std::uint64_t n_outside = 0;        ///< Points; for certain.
   std::uint64_t n_near_boundary = 0;  ///< Points: ProbedPoint::is_near_boundary.
   std::vector<ProbedField> along{};
+  bool memory_met = true;  ///< False: the limit ended refinement first; see achieved_error.
   double seconds = 0;
 };
 
@@ -93,6 +96,7 @@ struct IntegralOptions {
   double max_error = 0;                 ///< As in ProbeOptions,
   std::size_t field = 0;                ///< likewise.
   std::vector<std::size_t> along{};     ///< Likewise.
+  std::uint64_t memory_limit = 0;       ///< As in ProbeOptions.
   Threads threads{};
 };
 

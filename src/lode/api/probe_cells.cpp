@@ -173,6 +173,16 @@ Result<void> check_probe(std::span<const Vec3d> points, double max_error) {
   return {};
 }
 
+void count_outside(std::span<const ProbedPoint> points, ProbeReport& report) {
+  for (const ProbedPoint& point : points)
+    if (!point.is_inside) ++(point.is_near_boundary ? report.n_near_boundary : report.n_outside);
+}
+
+Result<void> check_snap(double snap) {
+  if (snap >= 0 && std::isfinite(snap)) return {};
+  return fail("snap: expected a distance >= 0, got {}", snap);
+}
+
 Result<void> check_line(const ProbedLine& line) {
   if (!is_finite_point(line.begin) || !is_finite_point(line.end))
     return fail("line: expected finite coordinates, got others");

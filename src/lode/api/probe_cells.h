@@ -54,12 +54,15 @@ struct ProbeCells {
 /// The parts of those that are on a line.
 [[nodiscard]] std::vector<ProbedLinePoint> on_line(const ProbedLine& line,
                                                    std::span<const ProbedPoint> points);
+/// Counts points that are in no cell.
+void count_outside(std::span<const ProbedPoint> points, ProbeReport& report);
 /// Of all cells; the same for any number of threads.
 [[nodiscard]] IntegralReport integrate_cells(const ProbeCells& cells,
                                              const IntegralOptions& options);
 
 /// Refuses points that are not finite, and tolerances that are none.
 [[nodiscard]] Result<void> check_probe(std::span<const Vec3d> points, double max_error);
+[[nodiscard]] Result<void> check_snap(double snap);
 [[nodiscard]] Result<void> check_line(const ProbedLine& line);
 [[nodiscard]] Result<void> check_integral(const IntegralOptions& options);
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "lode/api/probe.h"
 #include "lode/locate/line_profile.h"
 
 namespace lode {
@@ -113,6 +114,24 @@ MeetsBox meets_box(const Box3d& where) {
 
 MeetsBox meets_all() {
   return [](const Box3d&) { return true; };
+}
+
+MeetsBox widened(MeetsBox where, double reach) {
+  const Vec3d off{{reach, reach, reach}};
+  return [where = std::move(where), off](const Box3d& box) {
+    return where({box.lower - off, box.upper + off});
+  };
+}
+
+double farthest_corner(const Box3d& domain) {
+  Vec3d farthest;
+  for (std::size_t i = 0; i < 3; ++i)
+    farthest[i] = std::max(std::abs(domain.lower[i]), std::abs(domain.upper[i]));
+  return length(farthest);
+}
+
+double distance_rounding(const Box3d& domain) {
+  return ProbeOptions::kSnapRounding / 4 * farthest_corner(domain);
 }
 
 Box3d box_of(const Bounds& bounds, double slack) {

@@ -16,6 +16,13 @@ using MeetsBox = std::function<bool(const Box3d&)>;
 [[nodiscard]] MeetsBox meets_segment(const Vec3d& a, const Vec3d& b);
 [[nodiscard]] MeetsBox meets_box(const Box3d& box);
 [[nodiscard]] MeetsBox meets_all();
+/// The same of what is up to `reach` away along each axis.
+[[nodiscard]] MeetsBox widened(MeetsBox where, double reach);
+
+/// From the origin to the box's farthest corner.
+[[nodiscard]] double farthest_corner(const Box3d& domain);
+/// Of distances from cells in a domain, and what these are reckoned of.
+[[nodiscard]] double distance_rounding(const Box3d& domain);
 
 /// What rounding may do to the bounds of nodes in a domain, which are given as middles and halves.
 [[nodiscard]] double bounds_slack(const Box3d& domain);

@@ -5,13 +5,14 @@
 #include <utility>
 
 #include "lode/api/probe_cells.h"
-#include "lode/api/probe_sums.h"
-#include "lode/mappers/cell_part.h"
+#include "lode/api/probe_integrator.h"
 
 namespace lode {
 namespace {
 
+using probe_sums::CellIntegrator;
 using probe_sums::Extremes;
+using probe_sums::IntegralCell;
 using probe_sums::kEndless;
 using probe_sums::PartialIntegral;
 
@@ -20,154 +21,16 @@ bool is_of_regions(const ProbeCells& cells, const IntegralOptions& options, std:
          std::ranges::find(options.regions, cells.mesh.regions[cell]) != options.regions.end();
 }
 
-class Integrator {
- public:
-  /// `deviation`: a bound of the volume between the boundaries of cells and of the reference.
-  Integrator(const ProbeCells& cells, const IntegralOptions& options, double deviation)
-      : cells_(cells), options_(options), deviation_(deviation) {}
-
-  void add(std::size_t cell, PartialIntegral& to) const {
-    if (!is_of_regions(cells_, options_, cell)) return;
-    std::array<Vec3d, 4> corners;
-    std::array<double, 4> values{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      corners[k] = cells_.mesh.positions[cells_.mesh.tetrahedra[cell][k]];
-      values[k] = cells_.mesh.values[cells_.mesh.tetrahedra[cell][k]];
-    }
-    const CellPart part = part_in_box(corners, values, options_.box);
-    const double error = static_cast<double>(cells_.mesh.errors[cell]);
-    to.volume_rounding += part.volume_rounding;
-    to.integral_rounding += part.integral_rounding;
-    const double sign = sign_of(corners);
-    to.volume.add(sign * part.volume);
-    to.integral.add(sign * part.integral);
-    to.estimate.add(error * part.volume);
-    to.volume_bounds.add(sign * part.volume - part.volume_rounding,
-                         sign * part.volume + part.volume_rounding);
-    if (part.is_empty() && part.volume_rounding == 0) return;
-    if (!part.is_empty()) ++to.n_cells;
-    if (part.is_whole) ++to.n_whole;
-    if (has_errors_everywhere(cell)) {
-      const double off = cells_.has_exact(cell) ? 0 : error;
-      add_integral_within(off, part, sign, to);
-      add_extremes_within(off, part, corners, values, to.extremes);
-    } else {
-      const Range range = range_on(corners);
-      add_integral(part, range, sign, to);
-      add_extremes(part, range, to.extremes);
-    }
-    if (cells_.is_exact_at_vertices || cells_.has_exact(cell))
-      add_vertices(corners, values, to.extremes);
+IntegralCell cell_at(const ProbeCells& cells, std::size_t i) {
+  IntegralCell cell{.error = static_cast<double>(cells.mesh.errors[i]),
+                    .is_exact = cells.has_exact(i)};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::uint32_t v = cells.mesh.tetrahedra[i][k];
+    cell.corners[k] = cells.mesh.positions[v];
+    cell.values[k] = cells.mesh.values[v];
   }
-
- private:
-  /// Of a cell's volume: what the reference folds over other cells counts less there, so that sums
-  /// are those of cuts, where it is gone.
-  [[nodiscard]] static double sign_of(const std::array<Vec3d, 4>& p) {
-    return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) < 0 ? -1 : 1;
-  }
-  [[nodiscard]] bool has_errors_everywhere(std::size_t cell) const {
-    return cells_.has_exact(cell) || cells_.error_place == ErrorPlace::everywhere;
-  }
-  /// That F keeps on the cell's part in the box.
-  [[nodiscard]] Range range_on(const std::array<Vec3d, 4>& corners) const {
-    Box3d box{corners[0], corners[0]};
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (const Vec3d& p : corners) {
-        box.lower[i] = std::min(box.lower[i], p[i]);
-        box.upper[i] = std::max(box.upper[i], p[i]);
-      }
-      if (options_.box) box.lower[i] = std::max(box.lower[i], options_.box->lower[i]);
-      if (options_.box) box.upper[i] = std::min(box.upper[i], options_.box->upper[i]);
-    }
-    return cells_.range_in(box);
-  }
-  /// The box, a little larger or smaller than by what rounding may put a cell's cuts at it off
-  /// by: 54 units of the cell's width (cell_part.cpp), and two of a plane's place.
-  [[nodiscard]] Box3d moved_box(const std::array<Vec3d, 4>& corners, double sign) const {
-    double width = 0;
-    for (std::size_t k = 1; k < 4; ++k)
-      for (std::size_t j = 0; j < k; ++j)
-        for (const double x : (corners[k] - corners[j]).v) width = std::max(width, std::abs(x));
-    Box3d box = *options_.box;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto off = [&](double at) { return sign * (0x1p-45 * width + 0x1p-51 * std::abs(at)); };
-      box.lower[i] -= off(box.lower[i]);
-      box.upper[i] += off(box.upper[i]);
-    }
-    return box;
-  }
-  static void add_integral_within(double error, const CellPart& part, double sign,
-                                  PartialIntegral& to) {
-    const double volume = part.volume + part.volume_rounding;
-    const double off = part.integral_rounding + error * volume * (1 + 0x1p-50);
-    to.integral_bounds.add(sign * part.integral - off, sign * part.integral + off);
-  }
-  /// Of a cell on which F is within `error` of F'. What a smaller box cuts out is in the box, and
-  /// what a larger one does holds all that is.
-  void add_extremes_within(double error, const CellPart& part, const std::array<Vec3d, 4>& corners,
-                           const std::array<double, 4>& values, Extremes& to) const {
-    add_of_cut(part, to);
-    const bool is_cut = options_.box && !part.is_whole;
-    const CellPart least = is_cut ? part_in_box(corners, values, moved_box(corners, -1)) : part;
-    const CellPart most = is_cut ? part_in_box(corners, values, moved_box(corners, 1)) : part;
-    const auto [low, high] = std::ranges::minmax(values);
-    // A mean of values along an edge, up to six times.
-    const double off = is_cut ? error + 0x1p-48 * std::max(std::abs(low), std::abs(high)) : error;
-    const auto below = [off](double x) { return off > 0 ? std::nextafter(x - off, -kEndless) : x; };
-    const auto above = [off](double x) { return off > 0 ? std::nextafter(x + off, kEndless) : x; };
-    if (!most.is_empty()) {
-      to.lowest = std::min(to.lowest, below(most.lowest));
-      to.highest = std::max(to.highest, above(most.highest));
-    }
-    if (!least.is_empty()) {
-      to.reached_low = std::min(to.reached_low, above(least.lowest));
-      to.reached_high = std::max(to.reached_high, below(least.highest));
-    }
-  }
-  static void add_integral(const CellPart& part, const Range& range, double sign,
-                           PartialIntegral& to) {
-    const double volume = part.volume + part.volume_rounding;
-    const double least = std::max(0.0, part.volume - part.volume_rounding);
-    constexpr double kWiden = 0x1p-50;
-    double low = std::min(range.low * least, range.low * volume);
-    double high = std::max(range.high * least, range.high * volume);
-    if (sign < 0) low = -std::exchange(high, -low);
-    to.integral_bounds.add(low - kWiden * std::abs(low), high + kWiden * std::abs(high));
-  }
-  static void add_of_cut(const CellPart& part, Extremes& to) {
-    if (part.is_empty()) return;
-    to.of_cut_low = std::min(to.of_cut_low, part.lowest);
-    to.of_cut_high = std::max(to.of_cut_high, part.highest);
-  }
-  /// F is on some of the part, if that is more than can be outside of the reference.
-  void add_extremes(const CellPart& part, const Range& range, Extremes& to) const {
-    add_of_cut(part, to);
-    to.lowest = std::min(to.lowest, range.low);
-    to.highest = std::max(to.highest, range.high);
-    if (part.volume > part.volume_rounding + deviation_) {
-      to.reached_low = std::min(to.reached_low, range.high);
-      to.reached_high = std::max(to.reached_high, range.low);
-    }
-  }
-  /// Whose values F has.
-  void add_vertices(const std::array<Vec3d, 4>& corners, const std::array<double, 4>& values,
-                    Extremes& to) const {
-    for (std::size_t k = 0; k < 4; ++k) {
-      bool is_in = true;
-      for (std::size_t i = 0; options_.box && i < 3; ++i)
-        is_in = is_in && options_.box->lower[i] <= corners[k][i] &&
-                corners[k][i] <= options_.box->upper[i];
-      if (!is_in) continue;
-      to.reached_low = std::min(to.reached_low, values[k]);
-      to.reached_high = std::max(to.reached_high, values[k]);
-    }
-  }
-
-  const ProbeCells& cells_;
-  const IntegralOptions& options_;
-  double deviation_;
-};
+  return cell;
+}
 
 /// A bound of the volume within a distance of a triangle.
 double volume_near(const std::array<Vec3d, 3>& t, double distance) {
@@ -271,12 +134,15 @@ void clamp_extreme(const Range& all, BoundedNumber& extreme) {
   extreme.high = std::min(extreme.high, std::max(all.high, extreme.value));
 }
 
-void fill_report(const PartialIntegral& sum, const ProbeCells& cells,
-                 const std::optional<Box3d>& box, double deviation, IntegralReport& report) {
+}  // namespace
+
+IntegralReport probe_sums::to_report(const PartialIntegral& sum, const ProbeCells& cells,
+                                     const std::optional<Box3d>& box, double deviation) {
+  IntegralReport report;
   report.n_cells = sum.n_cells;
   report.n_whole = sum.n_whole;
   report.is_empty = sum.n_cells == 0;
-  if (report.is_empty) return;
+  if (report.is_empty) return report;
   report.volume_rounding = sum.volume_rounding * (1 + 1e-6) + sum.volume.rounding();
   report.integral_rounding = sum.integral_rounding * (1 + 1e-6) + sum.integral.rounding();
   report.integral_estimate = sum.estimate.value();
@@ -294,9 +160,8 @@ void fill_report(const PartialIntegral& sum, const ProbeCells& cells,
   report.mean = ratio(report.integral, report.volume);
   report.mean.low = std::max(report.mean.low, report.minimum.low);
   report.mean.high = std::min(report.mean.high, report.maximum.high);
+  return report;
 }
-
-}  // namespace
 
 Result<void> check_integral(const IntegralOptions& options) {
   LODE_CHECK(check_probe({}, options.max_error));
@@ -310,19 +175,17 @@ Result<void> check_integral(const IntegralOptions& options) {
 
 IntegralReport integrate_cells(const ProbeCells& cells, const IntegralOptions& options) {
   const double deviation = volume_of_deviation(cells, options);
-  const Integrator integrator(cells, options, deviation);
+  const CellIntegrator integrator(cells, options, deviation);
   constexpr std::size_t kBlock = 1024;
   const std::size_t n = cells.mesh.tetrahedra.size();
   std::vector<PartialIntegral> parts((n + kBlock - 1) / kBlock);
   parallel_for(parts.size(), options.threads, 1, [&](std::size_t b, int) {
     for (std::size_t i = b * kBlock; i < std::min(n, (b + 1) * kBlock); ++i)
-      integrator.add(i, parts[b]);
+      if (is_of_regions(cells, options, i)) integrator.add(cell_at(cells, i), parts[b]);
   });
   PartialIntegral sum;
   for (const PartialIntegral& part : parts) sum.add(part);
-  IntegralReport report;
-  fill_report(sum, cells, options.box, deviation, report);
-  return report;
+  return probe_sums::to_report(sum, cells, options.box, deviation);
 }
 
 }  // namespace lode

@@ -182,27 +182,13 @@ std::vector<std::uint32_t> slots_near(const View& view, const MeetsBox& where) {
   return slots_found;
 }
 
-/// Of the box, from the origin.
-double farthest_corner(const TetraInfo& info) {
-  const Box3d& box = info.bounds;
-  Vec3d farthest;
-  for (std::size_t i = 0; i < 3; ++i)
-    farthest[i] = std::max(std::abs(box.lower[i]), std::abs(box.upper[i]));
-  return length(farthest);
-}
-
-/// Of distances from cells, and what these are reckoned of.
-double distance_rounding(const TetraInfo& info) {
-  return ProbeOptions::kSnapRounding / 4 * farthest_corner(info);
-}
-
 /// What boundaries of cuts may be off by: as far as was measured, and rounding. Of midpoints what
 /// was measured starts from the reference's vertices rounded to steps, by up to 2^-31 of the box
 /// along each axis (midpoint/codes.h); of half edges only what is reckoned here is rounded.
 double deviation_of(const TetraInfo& info) {
   const double diagonal = length(info.bounds.upper - info.bounds.lower);
   const double steps = info.placement == Placement::midpoint ? 0x1p-31 * diagonal : 0;
-  return (info.boundary_deviation + steps) * (1 + 1e-6) + distance_rounding(info);
+  return (info.boundary_deviation + steps) * (1 + 1e-6) + distance_rounding(info.bounds);
 }
 
 /// Cells without values.
@@ -227,7 +213,7 @@ ProbeCells bare_cells(const View& view, const TetraInfo& info,
       v = static_cast<std::uint32_t>(std::ranges::lower_bound(vertices, v) - vertices.begin());
   cells.domain = info.bounds;
   cells.boundary_deviation = deviation_of(info);
-  cells.rounding = distance_rounding(info);
+  cells.rounding = distance_rounding(info.bounds);
   return cells;
 }
 
@@ -240,21 +226,14 @@ struct ProbeFocus {
   double snap = 0;  ///< As ProbeOptions'.
 };
 
-/// The same of what is up to `reach` away along each axis.
-MeetsBox widened(MeetsBox where, double reach) {
-  const Vec3d off{{reach, reach, reach}};
-  return [where = std::move(where), off](const Box3d& box) {
-    return where({box.lower - off, box.upper + off});
-  };
-}
-
 /// The cells of a cut that is fine where is looked, and those there only, by field: all have the
 /// same ones, of whatever regions.
 template <typename View>
 Result<std::vector<ProbeCells>> cells_of(View view, const TetraInfo& info, const ProbeFocus& focus,
                                          Progress& progress, ProbeReport& report) {
   const std::span<const std::size_t> fields = focus.fields;
-  const double snap = std::max(focus.snap, ProbeOptions::kSnapRounding * farthest_corner(info));
+  const double snap =
+      std::max(focus.snap, ProbeOptions::kSnapRounding * farthest_corner(info.bounds));
   const MeetsBox where = widened(focus.where, snap);
   typename View::Cut& cut = view.cut();
   Engine<typename View::Cut> engine(cut);
@@ -325,19 +304,13 @@ void add_along(const ProbedPoint& more, ProbedPoint& point) {
   point.along.push_back({more.value, more.error});
 }
 
-void count_outside(std::span<const ProbedPoint> points, ProbeReport& report) {
-  for (const ProbedPoint& point : points)
-    if (!point.is_inside) ++(point.is_near_boundary ? report.n_near_boundary : report.n_outside);
-}
-
 }  // namespace
 
 Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, std::span<const Vec3d> points,
                                     const ProbeOptions& options, std::vector<ProbedPoint>& found,
                                     Progress& progress) {
   LODE_CHECK(check_probe(points, options.max_error));
-  if (!(options.snap >= 0 && std::isfinite(options.snap)))
-    return fail("snap: expected a distance >= 0, got {}", options.snap);
+  LODE_CHECK(check_snap(options.snap));
   const std::vector<std::size_t> fields = fields_of(options);
   ProbeReport report;
   LODE_TRY(const std::vector<ProbeCells> cells, cells_near(hierarchy,

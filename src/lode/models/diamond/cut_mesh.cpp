@@ -55,7 +55,7 @@ class MeshBuilder {
   }
 
   void add(const Simplex<D>& s);
-  /// Whether a simplex comes near the plane asked for.
+  /// Whether a simplex is near what is asked for.
   [[nodiscard]] bool is_near(const Simplex<D>& s) const;
   [[nodiscard]] const CutMeshReport& report() const { return report_; }
   [[nodiscard]] bool is_full() const { return is_full_; }
@@ -97,16 +97,10 @@ class MeshBuilder {
 
 template <int D, typename Field>
 bool MeshBuilder<D, Field>::is_near(const Simplex<D>& s) const {
-  if (!options_.near) return true;
-  const NearPlane& plane = *options_.near;
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
-  for (const Index<D>& v : s.v) {
-    const double d = dot(plane.normal, world(v) - plane.point);
-    lowest = std::min(lowest, d);
-    highest = std::max(highest, d);
-  }
-  return lowest <= plane.distance && highest >= -plane.distance;
+  if (!options_.is_near) return true;
+  std::array<Vec3d, as_size(D) + 1> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = world(s.v[i]);
+  return options_.is_near(corners);
 }
 
 template <int D, typename Field>

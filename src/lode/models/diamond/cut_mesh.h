@@ -1,6 +1,7 @@
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <span>
 
 #include "lode/core/mesh.h"
 #include "lode/core/progress.h"
@@ -9,19 +10,14 @@
 
 namespace lode::diamond {
 
-/// World points near a plane, or all of them.
-struct NearPlane {
-  Vec3d point;
-  Vec3d normal;         ///< Unit length.
-  double distance = 0;  ///< World units.
-};
-
 struct CutMeshOptions {
   /// Whose touches() says which simplices are in focus.
   Demand focus = [](const NodeFacts&) { return 1.0; };
-  bool only_focus = false;          ///< Leaves out simplices that are neither finest nor in focus.
-  std::optional<NearPlane> near{};  ///< Only simplices that come so near the plane.
-  std::uint64_t n_expected = 0;     ///< Cells to reserve memory for.
+  bool only_focus = false;  ///< Leaves out simplices that are neither finest nor in focus.
+  /// Only simplices whose corners, in the world, it says so of, and of all that hold these; none:
+  /// all.
+  std::function<bool(std::span<const Vec3d>)> is_near{};
+  std::uint64_t n_expected = 0;  ///< Cells to reserve memory for.
 };
 
 struct CutMeshReport {
