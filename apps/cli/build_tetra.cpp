@@ -54,6 +54,18 @@ Json field_json(const TetraFieldInfo& field) {
   return json;
 }
 
+/// The number of a field's step, in order of time; none where it has but one.
+std::optional<std::size_t> step_of(const TetraInfo& info, const TetraFieldInfo& field) {
+  std::size_t n_before = 0;
+  std::size_t n = 0;
+  for (const TetraFieldInfo& other : info.fields) {
+    if (other.name != field.name) continue;
+    ++n;
+    n_before += other.time < field.time ? 1 : 0;
+  }
+  return n > 1 ? std::optional(n_before) : std::nullopt;
+}
+
 constexpr std::size_t kMostPatchRows = 50;
 
 void add_patches(const std::vector<BoundaryPatch>& patches, Table& table, Json& json) {
@@ -192,11 +204,14 @@ void add_fields(const TetraInfo& info, Table& table, Json& json) {
   json["fields"] = Json::array();
   for (const TetraFieldInfo& field : info.fields) {
     json["fields"].push_back(field_json(field));
+    const std::optional<std::size_t> step = step_of(info, field);
+    if (step) json["fields"].back()["step"] = *step;
     table.add(
         {"field",
-         fmt::format("{}{}, {}, {}, error of the base {} {}{}", field.name,
-                     field.time ? fmt::format(" at {}", format_number(*field.time)) : "",
-                     name_of(field.type), format_range(field.range_min, field.range_max),
+         fmt::format("{}{}{}, {}, {}, error of the base {} {}{}", field.name,
+                     field.time ? fmt::format(" at {}", *field.time) : "",
+                     step ? fmt::format(" (--time {})", *step) : "", name_of(field.type),
+                     format_range(field.range_min, field.range_max),
                      format_number(field.base_error), name_of(field.error_place),
                      field.base_world_error ? fmt::format(", in space {} by an estimate",
                                                           format_number(*field.base_world_error))

@@ -131,7 +131,7 @@ Result<Outcome> run_attach(const AttachArguments& arguments, Session& session) {
                    .source = solution.empty() ? step.path : step.path + ", " + solution,
                    .notes = notes_of_fields(made.report)};
     for (auto& [name, text] : read.notes)
-      if (time) text += fmt::format(", at {}", format_number(*time));
+      if (time) text += fmt::format(", at {}", *time);
     notes.insert(notes.end(), read.notes.begin(), read.notes.end());
     return std::optional(std::move(read));
   };

@@ -1,9 +1,11 @@
 #include "extract_tetra.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lode/api/finishing.h"
 #include "lode/api/mesh_picture.h"
+#include "lode/api/warp.h"
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
@@ -12,6 +14,7 @@
 #include "tetra_record.h"
 #include "text.h"
 #include "tolerance.h"
+#include "warp_options.h"
 
 namespace lode::cli {
 namespace {
@@ -30,6 +33,7 @@ struct TetraAnswer {
   std::vector<Attribute> attributes{};  ///< Without their values.
   std::vector<std::string> outputs{};
   std::vector<double> isovalues{};  ///< Of surfaces.
+  std::optional<Warped> warped{};
 };
 
 template <typename Report>
@@ -67,7 +71,7 @@ std::string tetra_comment(const std::string& kind, const TetraInput& input, cons
   if (const auto time = input.time()) text += fmt::format("; time {}", *time);
   for (const Attribute& more : made.attributes)
     text += fmt::format("; {}: error {} {}", more.name, more.error, name_of(place_of(input, more)));
-  return text;
+  return text + warp_comment(made.warped);
 }
 
 /// `counts`: of the answer.
@@ -143,6 +147,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   if (info.boundary_deviation > 0)
     table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
   add_deadline(made.is_settled, table);
+  add_warp(made.warped, table, outcome.json);
   for (const auto& [name, value] : counts.items())
     table.add({name_of_count(name), value.is_number_float()
                                         ? format_number(value.get<double>()) + ' ' + place
@@ -266,13 +271,15 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
-  LODE_TRY(const std::uint64_t n_inverted,
-           apply_warp(job.query.warp, job.reading, session.threads(), mesh));
-  warn_of_inverted(session, n_inverted);
+  LODE_TRY(const std::optional<Warped> warped,
+           apply_warp(job.query.warp, input, report.largest_error, session.threads(), mesh));
+  if (warped) warn_of_inverted(session, warped->n_inverted);
   warn_of_budget(session, report);
-  warn_of_boxes(options.query.boxes, input.dataset.describe().bounds, session);
+  warn_of_boxes(options.query.boxes, input.dataset.describe().bounds, session,
+                warped ? kBeforeWarp : "");
   warn_of_empty(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
+  made.warped = warped;
   made.attributes = without_values(mesh.attributes);
   made.outputs = {job.output};
   const Stopwatch watch;
@@ -285,17 +292,18 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   made.write_seconds = watch.seconds();
   Json counts;
   counts["largest_error"] = report.largest_error;
-  if (job.query.warp.is_wanted()) counts["inverted_cells"] = n_inverted;
+  if (warped) counts["inverted_cells"] = warped->n_inverted;
   counts["cells"] = report.n_cells;
   counts["vertices"] = report.n_vertices;
   if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
 }
 
-/// How many cells of the cut that a surface is of --warp turns round.
-Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
-                                   const TetraJob& wanted, Session& session) {
-  if (!job.query.warp.is_wanted()) return std::uint64_t{0};
+/// What --warp does to the cells of the cut that a surface is made of.
+Result<void> look_at_warped_cells(const TetraInput& input, const MeshJob& job,
+                                  const TetraJob& wanted, Session& session,
+                                  std::optional<Warped>& warped) {
+  if (!input.warp) return {};
   TetraMeshOptions options = wanted.mesh;
   if (job.query.is_section()) {
     options.query = query_of(wanted.sections);
@@ -307,7 +315,16 @@ Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_CHECK(input.dataset.extract_mesh(options, mesh, session.progress()));
-  return apply_warp(job.query.warp, job.reading, session.threads(), mesh);
+  const bool is_section = job.query.is_section();
+  const std::vector<double>& isovalues =
+      is_section ? wanted.sections.isovalues : wanted.surface.query.isovalues;
+  if (job.query.is_boundary) keep_marked_cells(mesh, cells_at_boundary(mesh));
+  if (is_section) keep_marked_cells(mesh, cells_at_planes(mesh, wanted.sections.planes));
+  if (!job.query.is_boundary && !isovalues.empty())
+    keep_marked_cells(mesh, cells_with_values(mesh, isovalues));
+  const double error = mesh.errors.empty() ? 0 : static_cast<double>(std::ranges::max(mesh.errors));
+  LODE_TRY(warped, apply_warp(job.query.warp, input, error, session.threads(), mesh));
+  return {};
 }
 
 Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& job,
@@ -317,7 +334,7 @@ Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& 
   set_shares(job.extraction, job.query, field, wanted.mesh.query);
   LODE_CHECK(add_opacity(job, input, wanted.mesh.query));
   set_shares(job.extraction, job.query, field, wanted.surface.query);
-  set_share(job.extraction.max_error, field.range_min, field.range_max, wanted.sections.max_error);
+  set_field_share(job.extraction.max_error, field, wanted.sections.max_error);
   if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
   if (job.query.is_section())
     return input.dataset.extract_section(wanted.sections, surface, progress);
@@ -391,19 +408,22 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   LODE_TRY(const TetraSurfaceReport report, made_surface);
   if (job.query.is_boundary && !wanted.mesh.query.isovalues.empty())
     session.note("--isovalue: with --boundary no surface, but where the boundary is accurate");
-  LODE_CHECK(apply_warp(job.query.warp, job.reading, surface));
+  LODE_TRY(std::optional<Warped> warped,
+           apply_warp(job.query.warp, input, report.achieved_error, surface));
   const bool is_empty = surface.is_empty();
   LODE_TRY(const Dropped dropped, edit_surface(job, session.threads(), surface));
   if (surface.is_empty() && !is_empty)
     session.warn(job.extraction.clip.empty()
                      ? "the surface is empty: all of its pieces are below --min-component"
                      : "the surface is empty: no large enough piece of it is in --clip");
-  LODE_TRY(const std::uint64_t n_inverted, count_turned(input, job, wanted, session));
-  warn_of_inverted(session, n_inverted);
+  LODE_CHECK(look_at_warped_cells(input, job, wanted, session, warped));
+  if (warped) warn_of_inverted(session, warped->n_inverted);
   warn_of_budget(session, report);
-  warn_of_boxes(wanted.mesh.query.boxes, input.dataset.describe().bounds, session);
+  warn_of_boxes(wanted.mesh.query.boxes, input.dataset.describe().bounds, session,
+                warped ? kBeforeWarp : "");
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
+  made.warped = std::move(warped);
   made.attributes = without_values(surface.attributes);
   made.outputs = surface_paths(job, wanted);
   made.isovalues =
@@ -417,7 +437,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   counts["vertices"] = surface.positions.size();
   if (!job.extraction.min_component.empty()) counts["components_dropped"] = dropped.components;
   counts["cut_cells"] = report.n_cut_cells;
-  if (job.query.warp.is_wanted()) counts["inverted_cells"] = n_inverted;
+  if (made.warped) counts["inverted_cells"] = made.warped->n_inverted;
   if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
 }
@@ -447,7 +467,7 @@ Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
 }  // namespace
 
 Result<void> check_tetra_job(const MeshJob& job) {
-  LODE_CHECK(check_warp(job.query.warp));
+  LODE_CHECK(check_warp(job.query));
   LODE_TRY(const TetraJob wanted, to_tetra_job(job, {}));
   LODE_CHECK(check_tetra_output(job, wanted));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));

@@ -15,7 +15,8 @@ namespace lode::cli {
 /// The options that say how a file is to be read, as typed: all but the last are of foreign files.
 struct ReadingArguments {
   std::string field;
-  std::vector<std::string> with;  ///< Further fields of a mesh of cells.
+  std::vector<std::string> with;       ///< Further fields of a mesh of cells,
+  std::vector<std::string> deforming;  ///< and those that --warp needs.
   std::string component;
   std::string time;
   std::string nodata;

@@ -7,6 +7,7 @@
 
 #include "parse.h"
 #include "tolerance.h"
+#include "warp_options.h"
 
 namespace lode::cli {
 namespace {
@@ -293,7 +294,8 @@ Result<void> check_outside(const Query& query) {
       "--ball, --half-space, --section or --view, outside of which it holds");
 }
 
-void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session) {
+void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session,
+                   const char* when) {
   const auto to_text = [](const Box3d& box) {
     return fmt::format("{},{},{},{},{},{}", box.lower[0], box.upper[0], box.lower[1], box.upper[1],
                        box.lower[2], box.upper[2]);
@@ -303,8 +305,8 @@ void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session
     for (std::size_t i = 0; i < 3; ++i)
       is_beside = is_beside || box.upper[i] < bounds.lower[i] || box.lower[i] > bounds.upper[i];
     if (is_beside)
-      session.warn(fmt::format("--box {}: none of the data are in it, but in {}", to_text(box),
-                               to_text(bounds)));
+      session.warn(fmt::format("--box {}: none of the data are in it, but in {}{}", to_text(box),
+                               to_text(bounds), when));
   }
 }
 

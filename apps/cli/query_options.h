@@ -9,9 +9,18 @@
 #include "extraction_options.h"
 #include "lode/api/focused_surface.h"
 #include "lode/api/mesh_extraction.h"
-#include "warp_options.h"
 
 namespace lode::cli {
+
+/// By which of a mesh's vectors it is deformed, and how much, as typed.
+struct WarpArguments {
+  std::string field;
+  std::string scale;
+
+  [[nodiscard]] bool is_wanted() const { return !field.empty(); }
+  [[nodiscard]] bool is_empty() const { return field.empty() && scale.empty(); }
+  friend bool operator==(const WarpArguments&, const WarpArguments&) = default;
+};
 
 /// The options of foci, meshes and sections as typed.
 struct QueryArguments {
@@ -72,7 +81,8 @@ void add_focus_options(CLI::App& app, QueryArguments& arguments);
                                                         const ExtractionArguments& extraction);
 
 /// Of those that lie beside all data.
-void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session);
+void warn_of_boxes(const std::vector<Box3d>& boxes, const Box3d& bounds, Session& session,
+                   const char* when = "");
 
 /// Of boxes and the like, values and budget. `answer`: what asks for it, in messages. The view's
 /// camera and the transfer function are in files.

@@ -78,6 +78,7 @@ Json picture_json(const TetraPictureJob& job, const TetraInput& input, const Tet
   if (is_left_out(plan.wanted)) json["left_out"] = made.mesh.n_left_out;
   json["budget_met"] = made.mesh.budget_met;
   json["is_settled"] = made.mesh.is_settled;
+  if (made.warped) json["inverted_cells"] = made.warped->n_inverted;
   json["camera"] = camera_json(made.picture.camera);
   if (!path.is_null()) json["camera_path"] = path;
   json["seconds"] = {
@@ -108,6 +109,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
     table.add({"error anywhere",
                format_number(made.mesh.largest_error) + ' ' + name_of(field.error_place)});
   add_deadline(made.mesh.is_settled, table);
+  add_warp(made.warped, table, outcome.json);
   table.add({"cells", fmt::format("{} of {}", format_count(made.mesh.n_cells),
                                   format_count(input.dataset.describe().n_cells))});
   if (is_left_out(plan.wanted)) table.add({"cells left out", format_count(made.mesh.n_left_out)});
@@ -196,7 +198,7 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
 }
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
-  LODE_CHECK(check_warp(job.picture.query.warp));
+  LODE_CHECK(check_warp(job.query()));
   LODE_CHECK(check_path_and_frames(job.path, outputs_of(job)));
   // Where a path's cameras are does not matter yet, but that there are some.
   LODE_TRY(const std::vector<Camera> cameras, path_cameras(job, {{{0, 0, 0}}, {{1, 1, 1}}}));
@@ -241,7 +243,7 @@ Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) 
     LODE_TRY(path, draw_tetra_path({job, plan, cameras, folder, input}, session, outputs));
   }
   TetraSession questions(input.dataset);
-  LODE_TRY(const TetraPicture made, draw_picture(job, plan, camera, questions, session));
+  LODE_TRY(const TetraPicture made, draw_picture(job, input, plan, camera, questions, session));
   for (const std::string& message : made.warnings) session.warn(message);
   LODE_CHECK(write_png(made.image, job.output));
   outputs.add(job.output);

@@ -82,7 +82,7 @@ Result<Json> draw_tetra_path(const TetraPathJob& job, Session& session, OutputSe
   for (const Camera& camera : job.cameras) {
     const std::uint64_t n_before = questions.n_updates();
     LODE_TRY(const TetraPicture made,
-             draw_picture(job.picture, job.plan, camera, questions, session));
+             draw_picture(job.picture, job.input, job.plan, camera, questions, session));
     if (session.progress().is_cancelled()) return cancelled_error();
     const std::string name = fmt::format("frame-{:04}.png", frames.size());
     const std::string path = job.folder.path_of(name);

@@ -15,17 +15,9 @@
 #include "vtk_import.h"
 
 namespace lode::cli {
-std::string numbered_component(const std::string& name) {
-  if (name.size() < 3 || name[name.size() - 2] != ':') return name;
-  const std::size_t axis = std::string_view("xyz").find(name.back());
-  if (axis == std::string_view::npos) return name;
-  return name.substr(0, name.size() - 1) + std::to_string(axis);
-}
-
 namespace {
 
 constexpr std::int64_t kMaxStep = 1'000'000'000;
-constexpr std::string_view kVector = ":xyz";
 
 Result<double> parse_weld(const char* name, const std::string& text) {
   LODE_TRY(const double number, parse_number(name, text));
@@ -43,144 +35,6 @@ Result<void> add_welding(const ReadingArguments& reading, TetraOptions& options)
   return {};
 }
 
-/// Of NAME:xyz, all three.
-std::vector<std::string> components_of(const std::string& name) {
-  const std::string vector = name.substr(0, name.size() - kVector.size());
-  return {vector + ":0", vector + ":1", vector + ":2"};
-}
-
-/// With --with: all others.
-constexpr std::string_view kAllFields = "all";
-
-bool wants_all(const ReadingArguments& reading) {
-  return std::ranges::find(reading.with, kAllFields) != reading.with.end();
-}
-
-/// The fields of --with that are named; NAME:xyz is three.
-std::vector<std::string> names_of_with(const ReadingArguments& reading) {
-  std::vector<std::string> names;
-  for (const std::string& name : reading.with)
-    if (name == kAllFields)
-      continue;
-    else if (name.ends_with(kVector))
-      for (std::string& component : components_of(name)) names.push_back(std::move(component));
-    else
-      names.push_back(numbered_component(name));
-  return names;
-}
-
-/// A field that is asked for, perhaps with its time behind it as lists of fields have it.
-struct NamedField {
-  std::string name;
-  std::optional<double> time{};
-  std::vector<std::size_t> steps{};  ///< Places, in order of time; what has none comes first.
-};
-
-Result<NamedField> to_named_field(const TetraInfo& info, const std::string& text) {
-  const auto named = [&](std::string name, std::optional<double> time) {
-    NamedField field{std::move(name), time};
-    for (std::size_t i = 0; i < info.fields.size(); ++i)
-      if (info.fields[i].name == field.name) field.steps.push_back(i);
-    std::ranges::stable_sort(field.steps, {}, [&](std::size_t i) { return info.fields[i].time; });
-    return field;
-  };
-  NamedField field = named(text.empty() ? info.fields[0].name : numbered_component(text), {});
-  if (!field.steps.empty()) return field;
-  constexpr std::string_view kAt = " at ";
-  if (const std::size_t at = text.rfind(kAt); at != std::string::npos)
-    if (const auto time = parse_number("", text.substr(at + kAt.size())); time)
-      field = named(numbered_component(text.substr(0, at)), *time);
-  if (!field.steps.empty()) return field;
-  LODE_CHECK(find_field(info, text));  // Names those that there are.
-  return field;
-}
-
-bool has_times(const TetraInfo& info, const NamedField& field) {
-  return info.fields[field.steps.back()].time.has_value();
-}
-
-std::string text_of(const std::optional<double>& time) {
-  return time ? fmt::format("at {}", *time) : "without a time";
-}
-
-/// The place of a field that has steps at a time, or among those without one.
-Result<std::size_t> step_at(const TetraInfo& info, const NamedField& field,
-                            const std::optional<double>& time) {
-  constexpr std::size_t kMostNamed = 20;
-  std::string times;
-  for (std::size_t i = 0; i < field.steps.size(); ++i) {
-    const std::optional<double>& other = info.fields[field.steps[i]].time;
-    if (other == time && (!field.time || field.time == time)) return field.steps[i];
-    if (i < kMostNamed) times += (i > 0 ? ", " : "") + text_of(other);
-  }
-  if (field.steps.size() > kMostNamed) times += ", ...";
-  return fail("field {}: expected a step {}, as all fields of an answer are of one time, got {}",
-              field.name, text_of(time),
-              field.time && field.time != time ? "one " + text_of(field.time) : times);
-}
-
-/// The time of the first field, by its name or as the step of a number.
-Result<std::optional<double>> time_of(const TetraInfo& info, const NamedField& field,
-                                      const std::string& step) {
-  if (field.time && !step.empty())
-    return fail("--time: expected none with the field {} {}, got {}", field.name,
-                text_of(field.time), step);
-  if (field.time) return field.time;
-  if (step.empty()) return info.fields[field.steps.front()].time;
-  LODE_TRY(const std::int64_t n,
-           parse_integer("--time", step, 0, static_cast<std::int64_t>(field.steps.size()) - 1));
-  return info.fields[field.steps[static_cast<std::size_t>(n)]].time;
-}
-
-}  // namespace
-
-Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
-                                              const std::vector<std::string>& names,
-                                              const std::string& step) {
-  std::vector<NamedField> fields;
-  for (const std::string& name : names) {
-    LODE_TRY(NamedField field, to_named_field(info, name));
-    fields.push_back(std::move(field));
-  }
-  const auto first =
-      std::ranges::find_if(fields, [&](const NamedField& field) { return has_times(info, field); });
-  if (first == fields.end() && !step.empty())
-    return fail("--time: expected none, as the field {} has no steps, got {}", fields[0].name,
-                step);
-  std::optional<double> time;
-  if (first != fields.end()) {
-    LODE_TRY(time, time_of(info, *first, step));
-  }
-  std::vector<std::size_t> places;
-  for (const NamedField& field : fields) {
-    const bool is_of_all_times = !has_times(info, field) && !field.time;
-    LODE_TRY(const std::size_t at, is_of_all_times ? Result<std::size_t>(field.steps.front())
-                                                   : step_at(info, field, time));
-    places.push_back(at);
-  }
-  return places;
-}
-
-namespace {
-
-Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& reading) {
-  const bool is_vector =
-      reading.field.ends_with(kVector) &&
-      std::ranges::find(info.fields, reading.field, &TetraFieldInfo::name) == info.fields.end();
-  std::vector<std::string> names =
-      is_vector ? components_of(reading.field) : std::vector{reading.field};
-  for (std::string& name : names_of_with(reading)) names.push_back(std::move(name));
-  if (wants_all(reading))
-    for (const TetraFieldInfo& field : info.fields)
-      if (std::ranges::find(names, field.name) == names.end()) names.push_back(field.name);
-  LODE_TRY(const std::vector<std::size_t> places, named_fields(info, names, reading.time));
-  TetraFieldUse use{.measured = places[0]};
-  for (const std::size_t at : places)
-    if (at != use.measured && std::ranges::find(use.along, at) == use.along.end())
-      use.along.push_back(at);
-  return use;
-}
-
 Result<CollapseOrder> to_order(const ReadingArguments& reading) {
   const std::string& order = reading.order;
   if (reading.is_fast && !order.empty() && order != "quadric")
@@ -193,7 +47,7 @@ Result<CollapseOrder> to_order(const ReadingArguments& reading) {
 
 }  // namespace
 
-Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
+Result<TetraOptions> to_tetra_options(const ReadingArguments& reading, const IsField& is_field) {
   TetraOptions options;
   LODE_CHECK(add_welding(reading, options));
   if (!reading.linearise.empty() && reading.linearise != "corners")
@@ -201,23 +55,22 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   if (!reading.linearise.empty()) options.quadratic = QuadraticCells::corners;
   if (!reading.region_field.empty()) options.region_field = reading.region_field;
   options.only_regions = reading.only_regions;
-  if (reading.field.empty() && !reading.component.empty())
-    return fail("--component: expected --field with it, got none");
-  if (reading.field.empty() && !reading.with.empty())
-    return fail("--with: expected --field with it, got none");
+  for (const auto& [name, is_given] : {std::pair{"--component", !reading.component.empty()},
+                                       std::pair{"--with", !reading.with.empty()},
+                                       std::pair{"--warp", !reading.deforming.empty()}})
+    if (reading.field.empty() && is_given)
+      return fail("{}: expected --field with it, got none", name);
   if (reading.field.empty()) return options;
-  if (reading.field.ends_with(kVector)) {
-    if (!reading.component.empty())
-      return fail("--component: expected none with --field {}, got {}", reading.field,
-                  reading.component);
-    options.fields = components_of(reading.field);
-  } else {
-    std::string field = numbered_component(reading.field);
-    if (!reading.component.empty() && reading.component != "magnitude")
-      field += ":" + reading.component_number();
-    options.fields = {std::move(field)};
-  }
-  for (std::string& name : names_of_with(reading))
+  options.fields = scalars_of(reading.field, is_field);
+  if (!reading.component.empty() && options.fields.size() > 1)
+    return fail("--component: expected none with --field {}, got {}", reading.field,
+                reading.component);
+  if (!reading.component.empty() && reading.component != "magnitude")
+    options.fields[0] += ":" + reading.component_number();
+  std::vector<std::string> more = scalars_of_with(reading, is_field);
+  for (const std::string& component : reading.deforming)
+    for (std::string& name : scalars_of(component, is_field)) more.push_back(std::move(name));
+  for (std::string& name : more)
     if (std::ranges::find(options.fields, name) == options.fields.end())
       options.fields.push_back(std::move(name));
   options.has_all = wants_all(reading);
@@ -337,19 +190,20 @@ bool has_field(const CellMesh& cells, const std::string& name) {
          std::ranges::find(cells.cell_fields, name, &MeshField::name) != cells.cell_fields.end();
 }
 
-/// NAME:xyz is all of a vector.
+/// NAME:xyz is all of a vector, and one deforms.
 Result<void> check_vectors(const CellMesh& cells, const ReadingArguments& reading) {
-  std::vector<std::string> names{reading.field};
-  names.insert(names.end(), reading.with.begin(), reading.with.end());
-  for (const std::string& name : names) {
-    if (!name.ends_with(kVector) || has_field(cells, name)) continue;
-    const std::string vector = name.substr(0, name.size() - kVector.size());
+  std::vector<std::pair<std::string, const char*>> names{{reading.field, ""}};
+  for (const std::string& name : reading.with) names.emplace_back(name, "");
+  for (const std::string& name : reading.deforming) names.emplace_back(name, "--warp: ");
+  for (const auto& [name, option] : names) {
+    if (!name.ends_with(kVectorEnd) || has_field(cells, name)) continue;
+    const std::string vector = name.substr(0, name.size() - kVectorEnd.size());
     for (const auto* fields : {&cells.point_fields, &cells.cell_fields}) {
       const auto field = std::ranges::find(*fields, vector, &MeshField::name);
       if (field == fields->end()) continue;
       if (field->n_components == 3) break;
-      return fail("{}: expected a field of three components, {} has {}", name, vector,
-                  field->n_components);
+      return fail("{}: {}{}: expected a field of three components, {} has {}", cells.path, option,
+                  name, vector, field->n_components);
     }
   }
   return {};
@@ -377,15 +231,13 @@ std::string advice_on_regions(const AveragedField& field) {
 
 Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
                                           Session& session) {
-  LODE_TRY(TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cells(path, reading, session));
+  LODE_TRY(TetraOptions options, to_tetra_options(reading, [&](const std::string& name) {
+             return has_field(cells, name);
+           }));
   if (!reading.time.empty() && !needs_vtk_import(path) && cells.times.empty())
     return fail("{}: expected no --time, as it has no field at several times, got {}", path,
                 reading.time);
-  if (reading.field.ends_with(kVector) && has_field(cells, reading.field)) {  // it is one's name
-    options.fields.erase(options.fields.begin() + 1, options.fields.begin() + 3);
-    options.fields[0] = reading.field;
-  }
   LODE_CHECK(check_vectors(cells, reading));
   const std::string why = why_missing(cells, reading.field);
   std::string names;
@@ -421,7 +273,8 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
     LODE_TRY(TetraDataset dataset, TetraDataset::open(path));
     auto fields = fields_of(dataset.describe(), reading);
     if (!fields) return fail("{}: {}", path, fields.error().message);
-    return TetraInput{std::move(dataset), std::nullopt, watch.seconds(), std::move(*fields)};
+    return TetraInput{std::move(dataset), std::nullopt, watch.seconds(), std::move(fields->use),
+                      std::move(fields->warp)};
   }
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
@@ -433,9 +286,9 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
     if (session.progress().is_cancelled()) return built.error();
     return fail("{}: {}", path, built.error().message);
   }
-  TetraFieldUse fields;
-  for (std::size_t i = 1; i < made.mesh.fields.size(); ++i) fields.along.push_back(i);
-  return TetraInput{std::move(*built), std::move(report), watch.seconds(), std::move(fields)};
+  LODE_TRY(ReadFields fields, fields_of_built(built->describe(), reading));
+  return TetraInput{std::move(*built), std::move(report), watch.seconds(), std::move(fields.use),
+                    std::move(fields.warp)};
 }
 
 std::optional<double> TetraInput::time() const {

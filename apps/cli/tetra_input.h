@@ -6,6 +6,7 @@
 
 #include "input.h"
 #include "query_options.h"
+#include "tetra_field_names.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -15,7 +16,8 @@ struct TetraInput {
   TetraDataset dataset;
   std::optional<TetraReport> report;  ///< What came of a foreign file's cells.
   double seconds = 0;                 ///< Opening, or reading and building.
-  TetraFieldUse fields{};             ///< That of --field, and those of --with.
+  TetraFieldUse fields{};             ///< That of --field, and those of --with and of --warp.
+  std::optional<WarpPlaces> warp{};   ///< With --warp.
 
   [[nodiscard]] const TetraFieldInfo& field() const {
     return dataset.describe().fields[fields.measured];
@@ -42,19 +44,10 @@ struct TetraInput {
 [[nodiscard]] Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading,
                                                          Threads threads);
 
-/// How cells become tetrahedra. Fails on what cannot be meant.
-[[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
-
-/// NAME:x as NAME:0, and so on.
-[[nodiscard]] std::string numbered_component(const std::string& name);
-
-/// Places of fields of a .lode file by their names, `NAME at TIME` among them; an empty name is the
-/// first. All are of one time: that of the first with steps, of which `step` says the number, from
-/// 0 in order of time, a field without a time before all (none: 0). Fields without any time are as
-/// they are. Fails, naming it, where a field lacks that time.
-[[nodiscard]] Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
-                                                            const std::vector<std::string>& names,
-                                                            const std::string& step);
+/// How cells become tetrahedra. Fails on what cannot be meant. `is_field`: of the mesh, where that
+/// is known.
+[[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading,
+                                                    const IsField& is_field = {});
 
 /// The tetrahedra of a foreign file, with the field that is wanted, then those of --with.
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,

@@ -58,6 +58,10 @@ Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
 std::string title_of(const TetraFieldInfo& field) {
   return field.name + (field.time ? fmt::format(" at {}", format_number(*field.time)) : "");
 }
+/// As lists of fields have it.
+std::string timed_name(const TetraFieldInfo& field) {
+  return field.name + (field.time ? fmt::format(" at {}", *field.time) : "");
+}
 
 /// Where among further fields the one is whose colours are shown; none: the field's own are.
 Result<std::optional<std::size_t>> find_colors(const TetraPictureJob& job,
@@ -66,7 +70,9 @@ Result<std::optional<std::size_t>> find_colors(const TetraPictureJob& job,
   if (name.empty()) return std::optional<std::size_t>();
   const std::vector<TetraFieldInfo>& fields = input.dataset.describe().fields;
   const auto is_meant = [&](std::size_t place) {
-    return fields[place].name == numbered_component(name) || title_of(fields[place]) == name;
+    const TetraFieldInfo& field = fields[place];
+    const std::string scalar = numbered_component(name);
+    return field.name == scalar || field.name == name || timed_name(field) == scalar;
   };
   const auto& along = input.fields.along;
   if (const auto at = std::ranges::find_if(along, is_meant); at != along.end())
@@ -117,9 +123,9 @@ Result<TetraPicturePlan> plan_picture(const TetraPictureJob& job, const TetraInp
   return plan;
 }
 
-Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraPicturePlan& plan,
-                                  const std::optional<Camera>& camera, TetraSession& questions,
-                                  Session& session) {
+Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
+                                  const TetraPicturePlan& plan, const std::optional<Camera>& camera,
+                                  TetraSession& questions, Session& session) {
   TetraMeshOptions wanted = plan.wanted;
   if (const auto view = own_view(job, camera)) wanted.query.view = view;
   MeshPictureOptions shown = plan.shown;
@@ -134,9 +140,9 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraPicture
   if (mesh.is_empty())
     warn(wanted.threshold ? "the picture is empty: no cell of the cut lies in the threshold"
                           : "the picture is empty: the mesh has no cell");
-  LODE_TRY(const std::uint64_t n_inverted,
-           apply_warp(job.picture.query.warp, job.reading_with_colors(), session.threads(), mesh));
-  warn(inverted_warning(n_inverted));
+  LODE_TRY(made.warped, apply_warp(job.picture.query.warp, input, made.mesh.largest_error,
+                                   session.threads(), mesh));
+  if (made.warped) warn(inverted_warning(made.warped->n_inverted));
   LODE_TRY(made.image, draw_mesh(mesh, shown, made.picture, session.progress()));
   if (!made.picture.legend_fault.empty())
     warn(fmt::format("there is no legend: {}", made.picture.legend_fault));

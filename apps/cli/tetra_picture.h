@@ -11,6 +11,7 @@
 #include "query_options.h"
 #include "render_path.h"
 #include "tetra_input.h"
+#include "warp_options.h"
 
 namespace lode::cli {
 
@@ -95,10 +96,11 @@ struct TetraPicture {
   MeshReport mesh{};
   MeshPictureReport picture{};
   std::vector<std::string> warnings{};
+  std::optional<Warped> warped{};
 };
 
 /// Asks for the mesh and draws it. `camera`: unset, all of the mesh is shown.
-[[nodiscard]] Result<TetraPicture> draw_picture(const TetraPictureJob& job,
+[[nodiscard]] Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
                                                 const TetraPicturePlan& plan,
                                                 const std::optional<Camera>& camera,
                                                 TetraSession& questions, Session& session);

@@ -28,8 +28,16 @@ Result<TetraMeshOptions> to_tetra_query(const QueryArguments& arguments,
 
 void set_shares(const ExtractionArguments& extraction, const QueryArguments& arguments,
                 const TetraFieldInfo& field, Query& query) {
-  set_share(extraction.max_error, field.range_min, field.range_max, query.max_error);
-  set_share(arguments.max_error_outside, field.range_min, field.range_max, query.max_error_outside);
+  set_field_share(extraction.max_error, field, query.max_error);
+  set_field_share(arguments.max_error_outside, field, query.max_error_outside);
+}
+
+void set_field_share(const std::string& text, const TetraFieldInfo& field,
+                     std::optional<double>& tolerance) {
+  set_share(text, field.range_min, field.range_max, tolerance);
+  // Of one value: any mesh has no error, and 0 would ask for the finest.
+  if (is_share(text) && field.range_min == field.range_max)
+    tolerance = std::numeric_limits<double>::infinity();
 }
 
 Error naming_option(const char* option, const std::string& path, const Error& error) {

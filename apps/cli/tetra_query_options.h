@@ -25,6 +25,9 @@ namespace lode::cli {
 /// Of tolerances that are shares of the range of values.
 void set_shares(const ExtractionArguments& extraction, const QueryArguments& arguments,
                 const TetraFieldInfo& field, Query& query);
+/// Of a share as typed the tolerance in a field; of a field of one value any.
+void set_field_share(const std::string& text, const TetraFieldInfo& field,
+                     std::optional<double>& tolerance);
 
 /// An error of the library that begins with what it calls an option.
 [[nodiscard]] Error naming_option(const char* option, const std::string& path, const Error& error);

@@ -21,7 +21,7 @@ struct Original {
 };
 
 Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info, Session& session) {
-  LODE_TRY(TetraOptions options, to_tetra_options(job.reading));
+  LODE_TRY(TetraOptions options, to_tetra_options(job.reading, is_field_of(info)));
   if (options.fields.empty())
     for (const TetraFieldInfo& field : info.fields)
       if (!field.time || info.fields.size() == 1) options.fields.push_back(field.name);

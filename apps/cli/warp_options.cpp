@@ -4,54 +4,80 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 
+#include "lode/api/warp.h"
 #include "parse.h"
 
 namespace lode::cli {
 namespace {
-
-std::string component_of(const WarpArguments& arguments, std::size_t axis) {
-  return arguments.field + ":" + std::to_string(axis);
-}
 
 Result<double> scale_of(const WarpArguments& arguments) {
   if (arguments.scale.empty()) return 1;
   return parse_number("--scale", arguments.scale);
 }
 
-/// The vector's values, where they are.
-Result<std::array<std::span<const double>, 3>> vector_in(const WarpArguments& arguments,
-                                                         const std::vector<Attribute>& attributes,
-                                                         const std::string& first,
-                                                         std::span<const double> values) {
-  std::array<std::span<const double>, 3> vector;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string name = component_of(arguments, i);
-    const auto found = std::ranges::find(attributes, name, &Attribute::name);
-    if (found != attributes.end())
-      vector[i] = found->values;
-    else if (name == first)
-      vector[i] = values;
-    else
-      return fail("--warp: expected the field {}, got none", name);
+/// The vector's components as they are asked for: three names, or NAME, which may end in :xyz.
+Result<std::vector<std::string>> components_of(const WarpArguments& arguments) {
+  const std::string& text = arguments.field;
+  if (text.find(',') == std::string::npos)
+    return std::vector<std::string>{text.ends_with(kVectorEnd) ? text
+                                                               : text + std::string(kVectorEnd)};
+  std::vector<std::string> names;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    names.push_back(text.substr(at, end - at));
+    at = end + 1;
   }
+  const bool has_empty = std::ranges::any_of(names, &std::string::empty);
+  if (names.size() == 3 && !has_empty) return names;
+  return fail("--warp: expected a vector, or three scalars as X,Y,Z, got '{}'", text);
+}
+
+using Values = std::array<std::span<const double>, 3>;
+
+/// What a vertex goes by, and how far that may be off.
+struct Vector {
+  Values values;
+  double error = 0;
+};
+
+/// The vector's values, and its error.
+Vector vector_in(const TetraInput& input, const std::vector<Attribute>& attributes,
+                 std::span<const double> measured, double largest_error) {
+  Vector vector;
+  double squares = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t place = input.warp->vector[i];
+    double error = largest_error;
+    if (place == input.fields.measured) {
+      vector.values[i] = measured;
+    } else {
+      const std::string& name = input.dataset.describe().fields[place].name;
+      const auto found = std::ranges::find(attributes, name, &Attribute::name);
+      LODE_EXPECTS(found != attributes.end());
+      vector.values[i] = found->values;
+      error = found->error;
+    }
+    squares += error * error;
+  }
+  vector.error = std::sqrt(squares);
   return vector;
 }
 
-/// Those that nobody has asked for.
-void drop_unwanted(const WarpArguments& arguments, const ReadingArguments& reading,
-                   std::vector<Attribute>& attributes) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string name = component_of(arguments, i);
-    const std::string by_letter = arguments.field + ":" + "xyz"[i];
-    const std::string whole = arguments.field + ":xyz";
-    const auto is_named = [&](const std::string& word) {
-      return std::ranges::find(reading.with, word) != reading.with.end();
-    };
-    if (is_named(name) || is_named(by_letter) || is_named(whole)) continue;
+void drop_hidden(const TetraInput& input, std::vector<Attribute>& attributes) {
+  for (const std::size_t place : input.warp->hidden) {
+    const std::string& name = input.dataset.describe().fields[place].name;
     std::erase_if(attributes, [&](const Attribute& attribute) { return attribute.name == name; });
   }
+}
+
+Error too_far(const WarpArguments& arguments, const char* type) {
+  return fail("--warp {}: expected vertices at {} coordinates, got others: a smaller --scale",
+              arguments.field, type);
 }
 
 }  // namespace
@@ -59,9 +85,9 @@ void drop_unwanted(const WarpArguments& arguments, const ReadingArguments& readi
 void add_warp_options(CLI::App& app, WarpArguments& arguments) {
   app.add_option(
          "--warp", arguments.field,
-         "Deform a mesh of cells by a vector; its .lode file must have been built --with "
-         "NAME:x, NAME:y and NAME:z, or --with NAME:xyz. Sections are cut before, --clip crops "
-         "what is deformed; how far the deformation itself may be off, --with NAME:xyz tells")
+         "Deform a mesh of cells by a vector, or by three scalars X,Y,Z; its .lode file must have "
+         "been built --with NAME:xyz, or with these. Foci and sections are of the mesh before, "
+         "--clip crops what is deformed; how far the deformation itself may be off is told")
       ->type_name("NAME")
       ->group("Meshes of cells");
   app.add_option("--scale", arguments.scale, "With --warp: times this (default: 1)")
@@ -69,27 +95,75 @@ void add_warp_options(CLI::App& app, WarpArguments& arguments) {
       ->group("Meshes of cells");
 }
 
-Result<void> check_warp(const WarpArguments& arguments) {
+Result<void> check_warp(const QueryArguments& query) {
+  const WarpArguments& arguments = query.warp;
   if (!arguments.scale.empty() && arguments.field.empty())
     return fail("--scale: expected --warp with it, got none");
+  if (arguments.is_wanted()) LODE_CHECK(components_of(arguments));
   LODE_CHECK(scale_of(arguments));
+  // Where cells are that are deformed the hierarchy does not know, nor how large they appear.
+  for (const auto& [name, value] :
+       {std::pair{"--view", &query.view}, {"--max-error-px", &query.max_error_px}})
+    if (arguments.is_wanted() && !value->empty())
+      return fail(
+          "{}: expected no --warp with it: what a camera sees of a deformed mesh is not "
+          "known before it is extracted",
+          name);
   return {};
 }
 
 ReadingArguments with_warp(ReadingArguments reading, const WarpArguments& arguments) {
-  for (std::size_t i = 0; i < 3 && arguments.is_wanted(); ++i)
-    reading.with.push_back(component_of(arguments, i));
+  if (!arguments.is_wanted()) return reading;
+  if (auto components = components_of(arguments)) reading.deforming = std::move(*components);
   return reading;
 }
 
-Result<std::uint64_t> apply_warp(const WarpArguments& arguments, const ReadingArguments& reading,
-                                 Threads threads, SimplexMesh& mesh) {
-  if (!arguments.is_wanted()) return std::uint64_t{0};
+std::string Warped::text() const {
+  return fmt::format("{}{}{}", field, scale == 1 ? "" : fmt::format(", {} times", scale),
+                     error > 0 ? fmt::format("; itself off by up to {} at samples",
+                                             format_number(error * std::abs(scale)))
+                               : "");
+}
+
+Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments, const TetraInput& input,
+                                         double largest_error, Threads threads, SimplexMesh& mesh) {
+  if (!input.warp) return std::optional<Warped>();
   LODE_TRY(const double scale, scale_of(arguments));
-  LODE_TRY(const auto vector, vector_in(arguments, mesh.attributes, reading.field, mesh.values));
-  const std::uint64_t n_inverted = warp(mesh, vector, scale, threads);
-  drop_unwanted(arguments, reading, mesh.attributes);
-  return n_inverted;
+  const Vector vector = vector_in(input, mesh.attributes, mesh.values, largest_error);
+  Warped warped{arguments.field, scale, vector.error};
+  warped.n_inverted = warp(mesh, vector.values, scale, threads);
+  for (const Vec3d& p : mesh.positions)
+    if (!std::isfinite(p[0] + p[1] + p[2])) return too_far(arguments, "float64");
+  drop_hidden(input, mesh.attributes);
+  return std::optional(std::move(warped));
+}
+
+Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments, const TetraInput& input,
+                                         double largest_error, Surface& surface) {
+  if (!input.warp) return std::optional<Warped>();
+  LODE_TRY(const double scale, scale_of(arguments));
+  std::vector<double> measured = surface.values;
+  if (measured.empty()) measured.assign(surface.isovalues.begin(), surface.isovalues.end());
+  LODE_EXPECTS(measured.size() == surface.positions.size());
+  const Vector vector = vector_in(input, surface.attributes, measured, largest_error);
+  warp(surface, vector.values, scale);
+  for (const Vec3f& p : surface.positions)
+    for (const float x : p.v)
+      if (!std::isfinite(x)) return too_far(arguments, "float32");
+  drop_hidden(input, surface.attributes);
+  return std::optional(Warped{arguments.field, scale, vector.error});
+}
+
+void add_warp(const std::optional<Warped>& warped, Table& table, Json& json) {
+  if (!warped) return;
+  table.add({"deformed by", warped->text()});
+  json["warp"] = {{"field", warped->field},
+                  {"scale", warped->scale},
+                  {"error", warped->error * std::abs(warped->scale)}};
+}
+
+std::string warp_comment(const std::optional<Warped>& warped) {
+  return warped ? "; deformed by " + warped->text() : std::string();
 }
 
 std::string inverted_warning(std::uint64_t n_inverted) {
@@ -99,17 +173,6 @@ std::string inverted_warning(std::uint64_t n_inverted) {
 
 void warn_of_inverted(Session& session, std::uint64_t n_inverted) {
   if (n_inverted > 0) session.warn(inverted_warning(n_inverted));
-}
-
-Result<void> apply_warp(const WarpArguments& arguments, const ReadingArguments& reading,
-                        Surface& surface) {
-  if (!arguments.is_wanted()) return {};
-  LODE_TRY(const double scale, scale_of(arguments));
-  LODE_TRY(const auto vector,
-           vector_in(arguments, surface.attributes, reading.field, surface.values));
-  warp(surface, vector, scale);
-  drop_unwanted(arguments, reading, surface.attributes);
-  return {};
 }
 
 }  // namespace lode::cli

@@ -2,39 +2,53 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <vector>
 
-#include "input.h"
-#include "lode/api/warp.h"
+#include "tetra_input.h"
+#include "text.h"
 
 namespace lode::cli {
 
-/// By which of a mesh's vectors it is deformed, and how much, as typed.
-struct WarpArguments {
-  std::string field;
-  std::string scale;
-
-  [[nodiscard]] bool is_wanted() const { return !field.empty(); }
-  [[nodiscard]] bool is_empty() const { return field.empty() && scale.empty(); }
-  friend bool operator==(const WarpArguments&, const WarpArguments&) = default;
-};
-
 void add_warp_options(CLI::App& app, WarpArguments& arguments);
-[[nodiscard]] Result<void> check_warp(const WarpArguments& arguments);
+/// Refuses what no deformed answer has, whatever the files hold.
+[[nodiscard]] Result<void> check_warp(const QueryArguments& query);
 
 /// Also reads the vector.
 [[nodiscard]] ReadingArguments with_warp(ReadingArguments reading, const WarpArguments& arguments);
 
-/// Deforms, where that is wanted, and leaves the vector out again unless --with names it. Of a mesh
-/// it returns how many cells were turned round.
-[[nodiscard]] Result<std::uint64_t> apply_warp(const WarpArguments& arguments,
-                                               const ReadingArguments& reading, Threads threads,
-                                               SimplexMesh& mesh);
+/// What deforming did.
+struct Warped {
+  std::string field;
+  double scale = 1;
+  double error = 0;              ///< Stated by cells: how far it may be off itself, world units.
+  std::uint64_t n_inverted = 0;  ///< Cells that were turned round; of a mesh.
+
+  /// "U, 2 times; itself off by up to 0.1 at samples"
+  [[nodiscard]] std::string text() const;
+};
+
+/// Deforms, where that is wanted, and leaves out again what was read for it alone. `largest_error`:
+/// stated of the measured field. Fails where a vertex is beyond what coordinates hold.
+[[nodiscard]] Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments,
+                                                       const TetraInput& input,
+                                                       double largest_error, Threads threads,
+                                                       SimplexMesh& mesh);
+/// Of an isosurface the measured field is what the surface is at.
+[[nodiscard]] Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments,
+                                                       const TetraInput& input,
+                                                       double largest_error, Surface& surface);
+
+/// Says so of an answer; nothing where it is as it was.
+void add_warp(const std::optional<Warped>& warped, Table& table, Json& json);
+/// For a file's comment: "; deformed by ...".
+[[nodiscard]] std::string warp_comment(const std::optional<Warped>& warped);
+
+/// Behind where a mesh is that is deformed only then.
+inline constexpr const char* kBeforeWarp = ", before --warp";
+
 /// Empty where none was.
 [[nodiscard]] std::string inverted_warning(std::uint64_t n_inverted);
 void warn_of_inverted(Session& session, std::uint64_t n_inverted);
-[[nodiscard]] Result<void> apply_warp(const WarpArguments& arguments,
-                                      const ReadingArguments& reading, Surface& surface);
 
 }  // namespace lode::cli

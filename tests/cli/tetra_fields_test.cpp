@@ -1,5 +1,6 @@
 // Several fields of one mesh of cells, and time steps, through the program.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -220,7 +221,7 @@ TEST_F(cli_tetra_fields, deform) {
   refused({"extract", model, out_, "--mesh", "--scale", "2"}, "--warp");
   refused({"extract", model, out_, "--mesh", "--warp", "heat"}, "heat:0");
   refused({"extract", mesh_, out_, "--mesh", "--field", "noise", "--warp", "noise"},
-          "which is a scalar");
+          "--warp: noise:xyz: expected a field of three components");
   refused({"extract", model, out_, "--mesh", "--warp", "shift", "--scale", "much"}, "--scale");
 }
 
@@ -361,6 +362,114 @@ TEST_F(cli_tetra_fields, have_the_time_of_their_step_in_files_and_take_it_from_t
         {"extract", series, file, "--mesh", "--max-error", "0", "--field", "noise", "--time", "2"});
     EXPECT_EQ(read_cell_mesh(file, {})->time, 7);
   }
+}
+
+/// Isosurfaces have no values of the field they are of: it is what they are at.
+TEST_F(cli_tetra_fields, deform_surfaces_of_a_component_of_the_vector_itself) {
+  const std::string model = scratch_ / "vector.lode";
+  const std::string surface = scratch_ / "s.ply";
+  done({"build", mesh_, model, "--field", "shift:xyz", "--with", "noise"});
+  for (const std::string& input : {model, mesh_})
+    for (const Words& of :
+         {Words{"--isovalue", "0.04"}, Words{"--isovalue", "0.02", "--isovalue", "0.04"},
+          Words{"--section", "0.5,0.5,0.5:1,0,0", "--isovalue", "0.04"},
+          Words{"--section", "0.5,0.5,0.5:1,0,0"}, Words{"--boundary"}, Words{"--mesh"}}) {
+      const std::string out = of[0] == "--mesh" ? out_ : surface;
+      Words words{"extract", input,     out,  "--field",     "shift:x", "--warp",
+                  "shift",   "--scale", "10", "--max-error", "0"};
+      words.insert(words.end(), of.begin(), of.end());
+      SCOPED_TRACE(fmt::format("{} {}", input, fmt::join(of, " ")));
+      const nlohmann::json json = done(words);
+      EXPECT_EQ(json.at("warp").at("field"), "shift");
+      // Isolines are fine where they are, and not all along the plane.
+      if (of[0] != "--section" || of.size() == 2) EXPECT_EQ(json.at("warp").at("error"), 0);
+      EXPECT_EQ(json.at("with").size(), 0U);
+      if (of.size() != 2 || of[0] != "--isovalue") continue;
+      // shift:x is a tenth of z, so all of it was at z = 0.4 and went by 0.4 along x.
+      float lowest = 9;
+      const Surface made = read_surface(surface).value();
+      for (const Vec3f& p : made.positions) lowest = std::min(lowest, p[0]);
+      EXPECT_NEAR(lowest, 0.4F, 1e-6F);
+    }
+  // The vector's name is found whatever the field is called by.
+  done({"extract", model, out_, "--mesh", "--warp", "shift"});
+  done({"extract", model, out_, "--mesh", "--warp", "shift:xyz", "--field", "shift:y"});
+  done({"extract", model, out_, "--mesh", "--warp", "noise,shift:x,shift:1", "--field", "shift:2"});
+  refused({"extract", model, out_, "--mesh", "--warp", "noise,shift:x"}, "three scalars");
+  refused({"extract", model, out_, "--mesh", "--warp", "shift", "--view", "camera.json"}, "--view");
+  refused({"extract", model, surface, "--boundary", "--warp", "shift", "--scale", "1e300"},
+          "float32");
+}
+
+TEST_F(cli_tetra_fields, that_deform_stay_where_they_are_asked_for) {
+  const std::string model = scratch_ / "vector.lode";
+  done({"build", mesh_, model, "--field", "noise", "--with", "shift:xyz", "--at", "1"});
+  const auto names = [&](const Words& options) {
+    Words words{"extract", model, out_, "--mesh", "--warp", "shift"};
+    words.insert(words.end(), options.begin(), options.end());
+    const nlohmann::json json = done(words);
+    Words found;
+    for (const auto& with : json.at("with")) found.push_back(with.at("field"));
+    return found;
+  };
+  const Words all{"shift:0", "shift:1", "shift:2"};
+  EXPECT_EQ(names({}), Words{});
+  EXPECT_EQ(names({"--with", "all"}), all);
+  EXPECT_EQ(names({"--with", "shift:xyz"}), all);
+  EXPECT_EQ(names({"--field", "noise at 1", "--with", "shift:xyz at 1"}), all);
+  EXPECT_EQ(names({"--with", "shift:y"}), Words{"shift:1"});
+  EXPECT_EQ(names({"--field", "noise at 1", "--with", "shift:0 at 1"}), Words{"shift:0"});
+  const std::string picture = scratch_ / "p.png";
+  for (const char* const color : {"shift:0 at 1", "shift:x at 1", "shift:x"})
+    EXPECT_EQ(run_lode({"render", model, picture, "--boundary=field", "--color-by", color, "--warp",
+                        "shift", "--size", "64x64"})
+                  .exit_code,
+              0)
+        << color;
+}
+
+/// A field's own name comes before what it would be short for.
+TEST_F(cli_tetra_fields, may_be_called_as_components_are) {
+  const std::string mesh = scratch_ / "named.vtk";
+  std::string text = read_bytes(mesh_);
+  for (std::size_t at = text.find("square"); at != std::string::npos; at = text.find("square", at))
+    text.replace(at, 6, "shift:x");
+  write_bytes(mesh, text);
+  const std::string model = scratch_ / "named.lode";
+  done({"build", mesh, model, "--field", "noise", "--with", "all"});
+  const auto probed = [&](const std::string& input, const std::string& field) {
+    return done({"probe", input, "--point", "0.5,0.5,0.5", "--field", field})
+        .at("points")[0]
+        .at("value")
+        .get<double>();
+  };
+  for (const std::string& input : {mesh, model}) {
+    const double noise = probed(input, "noise");
+    EXPECT_NEAR(probed(input, "shift:x"), noise * noise, 1e-12) << input;
+    EXPECT_NEAR(probed(input, "shift:0"), 0.05, 1e-12) << input;
+  }
+  done({"build", mesh, model, "--field", "shift:x"});
+  EXPECT_EQ(done({"info", model}).at("field"), "shift:x");
+}
+
+TEST_F(cli_tetra_fields, of_one_value_need_no_cells_but_the_bases) {
+  const std::string mesh = scratch_ / "zero.vtk";
+  const std::string model = scratch_ / "zero.lode";
+  write_step(mesh, 0);
+  done({"build", mesh_, model_, "--field", "noise", "--at", "1"});
+  done({"attach-field", model_, mesh, model, "--field", "noise", "--at", "0"});
+  const nlohmann::json info = done({"info", model});
+  EXPECT_EQ(info.at("fields")[0].at("step"), 1);
+  EXPECT_EQ(info.at("fields")[1].at("step"), 0);
+  for (const Words& tolerance : {Words{}, Words{"--max-error", "1%"}}) {
+    Words words{"extract", model, out_, "--mesh", "--time", "0"};
+    words.insert(words.end(), tolerance.begin(), tolerance.end());
+    const nlohmann::json json = done(words);
+    EXPECT_EQ(json.at("cells"), json.at("base_cells"));
+    EXPECT_EQ(json.at("achieved_error"), 0);
+  }
+  const nlohmann::json all = done({"extract", model, out_, "--mesh", "--max-error", "0"});
+  EXPECT_EQ(all.at("cells"), all.at("reference_cells"));
 }
 
 TEST_F(cli_tetra_fields, of_warped_isosurfaces_have_no_normals_and_say_so) {

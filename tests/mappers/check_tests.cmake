@@ -28,6 +28,7 @@ lode_test(mesh_mappers_test
     ${CMAKE_CURRENT_LIST_DIR}/cell_part_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/creases_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_boundary_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/surface_cells_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_isosurface_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_normals_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_section_test.cpp

@@ -197,11 +197,39 @@ TEST_P(tetra_attachment, takes_no_other_mesh) {
   other.tetrahedra[7] = other.tetrahedra[8];
   EXPECT_NE(refusal({other, {}, "cells.vtu"}).find("got one with a cell of vertices"),
             std::string::npos);
+  // In another region, or renumbered; one without regions is the mesh all the same.
+  other = with_cosine(mesh_, 5);
+  other.regions[11] = 1 - other.regions[11];
+  EXPECT_NE(refusal({other, {}, "moved.vtu"}).find("moved.vtu: expected the mesh that was built"),
+            std::string::npos);
+  EXPECT_NE(refusal({other, {}, "moved.vtu"}).find("in region"), std::string::npos);
+  other = with_cosine(mesh_, 5);
+  other.region_ids = {3, 9};
+  EXPECT_NE(refusal({other, {}, "other.vtu"}).find("in region 8, got it in region 9"),
+            std::string::npos);
   other = with_cosine(mesh_, 5);
   other.fields[0].values[3] = std::nan("");
   EXPECT_NE(refusal({other, {}, "nan.vtu"}).find("expected finite values"), std::string::npos);
   EXPECT_NE(refusal({mesh_, {}, "same.vtu"}).find("expected a field that the model has not got"),
             std::string::npos);
+}
+
+TEST_P(tetra_attachment, takes_a_mesh_without_regions_whose_original_verifies) {
+  TetraMesh other = with_cosine(mesh_, 5);
+  other.regions.clear();
+  other.region_ids.clear();
+  ASSERT_TRUE(attach({{other, {}, "plain.vtu"}}));
+  const TetraDataset dataset = TetraDataset::open(output_).value();
+  Progress progress;
+  const std::vector<std::size_t> second{1};
+  EXPECT_TRUE(dataset.verify_against(other, second, progress)->passed());
+  TetraMesh moved = with_cosine(mesh_, 5);
+  EXPECT_TRUE(dataset.verify_against(moved, second, progress)->passed());
+  moved.regions[4] = 1 - moved.regions[4];
+  const auto report = dataset.verify_against(moved, second, progress);
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(report->passed());
+  EXPECT_EQ(report->checks.back().name, "regions of tetrahedra equal the original's");
 }
 
 TEST_P(tetra_attachment, is_the_same_for_any_number_of_threads) {

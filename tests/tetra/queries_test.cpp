@@ -159,6 +159,23 @@ TEST_F(tetra_queries, a_deadline_of_a_file_does_not_wait_for_pages_and_knows_the
   EXPECT_LT(n_base, n_fine);
 }
 
+/// Cells whose pages were not read state no more than what is known of all.
+TEST_F(tetra_queries, a_deadline_of_a_file_states_of_no_cell_more_than_of_all) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("lode_deadlines_" + std::to_string(::getpid()) + ".lode");
+  Progress progress;
+  ASSERT_TRUE(TetraDataset::build_file(mesh_, path, {.threads = {2}}, progress));
+  for (const double deadline_ms : {0.0, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 20.0}) {
+    const auto opened = TetraDataset::open(path);
+    ASSERT_TRUE(opened);
+    const auto report = opened->extract_mesh({.deadline_s = 1e-3 * deadline_ms}, cut_, progress);
+    ASSERT_TRUE(report);
+    // Those of nodes are stored rounded up.
+    EXPECT_LE(report->largest_error, 1.01 * report->achieved_error) << deadline_ms;
+  }
+  std::filesystem::remove(path);
+}
+
 /// Errors of cells are in pages that nothing else has asked for: there is time to read them.
 TEST_F(tetra_queries, a_deadline_of_a_file_that_leaves_time_changes_nothing) {
   const auto path = std::filesystem::temp_directory_path() /

@@ -9,6 +9,7 @@
 
 #include "lode/api/tetra_cut_shape.h"
 #include "lode/api/tetra_verification.h"
+#include "lode/models/tetra_mt/region_match.h"
 
 namespace lode {
 namespace {
@@ -71,6 +72,22 @@ std::vector<Tetrahedron> ranked_cells(std::span<const Tetrahedron> cells,
   return result;
 }
 
+/// By ranks, ascending, with the id of their regions.
+std::vector<tetra_mt::RegionCell> ranked_regions(std::span<const Tetrahedron> cells,
+                                                 std::span<const std::uint32_t> regions,
+                                                 std::span<const std::int64_t> ids,
+                                                 const std::vector<std::uint32_t>& ranks) {
+  std::vector<tetra_mt::RegionCell> result;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    Tetrahedron t = cells[i];
+    for (std::uint32_t& v : t) v = ranks[v];
+    std::ranges::sort(t);
+    result.emplace_back(t, ids[regions[i]]);
+  }
+  std::ranges::sort(result);
+  return result;
+}
+
 /// Elements of sorted lists that only one of them has.
 template <typename T>
 std::uint64_t count_differences(const std::vector<T>& a, const std::vector<T>& b) {
@@ -119,6 +136,16 @@ Result<VerifyReport> compare_with_original(const TetraCutSource& source, const T
     if (i == 0 || n_cells > 0)
       report.add("tetrahedra equal the original's", their_cells.size(), n_cells,
                  difference_text(n_cells, our_cells.size(), their_cells.size()));
+    std::vector<std::int64_t> ids;
+    for (const MeshRegion& region : source.info().regions) ids.push_back(region.id);
+    if (i > 0 || ids.size() < 2 || original.region_ids.size() < 2) continue;
+    const auto our_regions =
+        ranked_regions(cells, all.cells.regions, ids, ranks_of(ours, our_vertices));
+    const auto their_regions = ranked_regions(original.tetrahedra, original.regions,
+                                              original.region_ids, ranks_of(theirs, our_vertices));
+    const std::uint64_t n_regions = count_differences(our_regions, their_regions);
+    report.add("regions of tetrahedra equal the original's", their_regions.size(), n_regions,
+               difference_text(n_regions, our_regions.size(), their_regions.size()));
   }
   return report;
 }

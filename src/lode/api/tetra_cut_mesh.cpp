@@ -208,7 +208,7 @@ float not_below(double value) {
 }  // namespace
 
 std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
-                                     const TetraCut& cut, const MayRead& may_read,
+                                     const TetraCut& cut, const CellErrorReads& reads,
                                      SimplexMesh& mesh) {
   mesh = {};
   std::vector<std::uint32_t> vertex_ids = sorted_vertices(hierarchy, cut);
@@ -223,8 +223,10 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   const auto error_of = [&](std::uint32_t slot, std::size_t field) {
     const std::uint32_t maker = cut.maker(slot);
     if (maker == kNone) return 0.0F;
-    if (!hierarchy.has_facts(maker, field) && !may_read())
-      return not_below(heads[field].base_error);
+    if (!hierarchy.has_facts(maker, field) && !reads.may_read()) {
+      const double base = heads[field].base_error;
+      return not_below(field == fields.measured ? std::min(base, reads.bound) : base);
+    }
     return hierarchy.facts(maker, field).error;
   };
   visit_cells(cut, numbers, vertex_ids.size(), [&](const NumberedCell& cell) {

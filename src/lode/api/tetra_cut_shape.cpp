@@ -175,6 +175,7 @@ TetraCells::TetraCells(const tetra_mt::TetraCut& cut) {
     if (!cut.is_inside(cell)) continue;
     corners.push_back(cell.corners);
     makers.push_back(cut.maker(slot));
+    regions.push_back(cut.region(slot));
   }
 }
 
@@ -183,6 +184,7 @@ TetraCells::TetraCells(const tetra_mt::midpoint::MidpointCut& cut) {
     if (!cut.is_inside(cell)) continue;
     corners.push_back(cell.corners);
     makers.push_back(cut.maker(cell));
+    regions.push_back(cell.region);
   }
 }
 

@@ -60,7 +60,8 @@ struct StatedFacts {
 /// The tetrahedra of a cut, by the hierarchy's numbers of vertices.
 struct TetraCells {
   std::vector<tetra_mt::Tetrahedron> corners;
-  std::vector<std::uint32_t> makers;  ///< By cell: its node, or kNone for the reference's.
+  std::vector<std::uint32_t> makers;   ///< By cell: its node, or kNone for the reference's.
+  std::vector<std::uint32_t> regions;  ///< By cell: its place among those of the model.
 
   std::vector<StatedFacts> stated;  ///< Likewise, of one field, once that is filled in.
 

@@ -100,6 +100,9 @@ void apply_threshold(const TetraMeshOptions& options, TetraCutMesh& cut) {
   cut.report.n_cells = cut.mesh.n_cells();
   cut.report.n_vertices = cut.mesh.positions.size();
   cut.report.largest_error = largest_of(cut.mesh.errors);
+  // Cells that were left out are none of the answer.
+  if (options.threshold)
+    cut.report.achieved_error = std::min(cut.report.achieved_error, cut.report.largest_error);
 }
 
 TetraSurfaceReport make_isosurfaces(const TetraCutMesh& cut, const TetraSurfaceOptions& options,

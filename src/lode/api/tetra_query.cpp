@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "lode/models/tetra_mt/region_masks.h"
@@ -69,10 +70,11 @@ Result<Query> complete_query(const TetraFieldInfo& field, Query query,
         field.name);
   if (deadline_s && !(*deadline_s >= 0))
     return fail("deadline: expected a number >= 0, got {}", *deadline_s);
+  // Of one value: any mesh has no error, and 0 would ask for the finest.
+  const double range = field.range_max - field.range_min;
+  const double share = range > 0 ? kShareOfRange * range : std::numeric_limits<double>::infinity();
   if (!query.max_error && !needs_world_errors(query))
-    query.max_error = query.budget.is_limited() || deadline_s
-                          ? 0
-                          : kShareOfRange * (field.range_max - field.range_min);
+    query.max_error = query.budget.is_limited() || deadline_s ? 0 : share;
   LODE_CHECK(check_query(query));
   return query;
 }

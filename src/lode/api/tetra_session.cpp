@@ -103,7 +103,7 @@ class TetraSession::State {
 
  private:
   /// `finishing`: seconds that take so many cells; `fill`: puts cells in the mesh, asking whether
-  /// there is time to read pages.
+  /// there is time to read pages, and told what no cell's error is above.
   template <typename Cut, typename Options, typename Finishing, typename Fill>
   [[nodiscard]] Result<TetraCutMesh> refine(Refinement<Cut>& refinement, const Query& query,
                                             const Options& options, const Finishing& finishing,
@@ -179,7 +179,12 @@ Result<TetraCutMesh> TetraSession::State::refine(Refinement<Cut>& refinement, co
   if (has_candidates) engine.run(must_stop);
   if (progress.is_cancelled()) return cancelled_error();
   TetraCutMesh made{.origin = impl_.surface_origin, .margin = impl_.surface_margin};
-  LODE_TRY(made.vertex_ids, fill(made.mesh, has_time));
+  // What is not applied is below a candidate, whose errors are nested.
+  const double bound =
+      has_candidates
+          ? engine.largest([](const NodeFacts& facts) { return static_cast<double>(facts.error); })
+          : impl_.info.fields[options.fields.measured].base_error;
+  LODE_TRY(made.vertex_ids, fill(made.mesh, has_time, bound));
   report(refinement, has_candidates, options.fields.measured, made.report);
   if (!options.regions.empty() && impl_.info.regions.size() > 1)
     made.report.n_left_out = keep_regions(made.mesh, options.regions, made.vertex_ids);
@@ -201,7 +206,8 @@ Result<TetraCutMesh> TetraSession::State::make_mesh(const Query& wanted, const O
     const auto finishing = [&](std::uint64_t n) {
       return finishing_seconds(model, options.fields, n);
     };
-    const auto fill = [&](SimplexMesh& mesh, const MayRead& /*may_read*/) -> Result<VertexIds> {
+    const auto fill = [&](SimplexMesh& mesh, const MayRead& /*may_read*/,
+                          double /*bound*/) -> Result<VertexIds> {
       LODE_CHECK(refinement.cut.check());
       LODE_TRY(VertexIds ids, fill_mesh(refinement.cut, options.fields, mesh));
       LODE_CHECK(refinement.cut.check());
@@ -214,9 +220,10 @@ Result<TetraCutMesh> TetraSession::State::make_mesh(const Query& wanted, const O
   const auto finishing = [&](std::uint64_t n) {
     return finishing_seconds(model, options.fields, n);
   };
-  const auto fill = [&](SimplexMesh& mesh, const MayRead& may_read) -> Result<VertexIds> {
+  const auto fill = [&](SimplexMesh& mesh, const MayRead& may_read,
+                        double bound) -> Result<VertexIds> {
     LODE_CHECK(refinement.cut.check());
-    VertexIds ids = fill_mesh(model, options.fields, refinement.cut, may_read, mesh);
+    VertexIds ids = fill_mesh(model, options.fields, refinement.cut, {may_read, bound}, mesh);
     LODE_CHECK(refinement.cut.check());
     return ids;
   };

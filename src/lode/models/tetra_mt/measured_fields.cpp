@@ -9,6 +9,7 @@
 #include "lode/models/tetra_mt/held_samples.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/mesh_check.h"
+#include "lode/models/tetra_mt/region_match.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
@@ -321,6 +322,22 @@ std::vector<NumberedField> FieldMeasurer::take_fields() {
   return fields;
 }
 
+/// By the mesh's numbers of vertices.
+std::vector<RegionCell> region_cells(const TetraCut& cut,
+                                     std::span<const std::uint32_t> mesh_vertices) {
+  std::vector<RegionCell> cells;
+  const std::vector<std::int64_t>& ids = cut.head().region_ids;
+  if (ids.size() < 2) return cells;
+  const auto slots = cut.slots();
+  for (std::uint32_t slot = 0; slot < slots.size(); ++slot) {
+    if (!cut.is_inside(slots[slot])) continue;
+    Tetrahedron t = slots[slot].corners;
+    for (std::uint32_t& v : t) v = mesh_vertices[v];
+    cells.emplace_back(t, ids[cut.region(slot)]);
+  }
+  return cells;
+}
+
 }  // namespace
 
 Result<void> check_same_mesh(const PackedHierarchy& hierarchy,
@@ -353,7 +370,7 @@ Result<void> check_same_mesh(const PackedHierarchy& hierarchy,
   if (a != ours.end() && b != theirs.end())
     return fail("expected the mesh that was built, got one with a cell of vertices {}, {}, {}, {}",
                 (*b)[0], (*b)[1], (*b)[2], (*b)[3]);
-  return {};
+  return check_same_regions(region_cells(cut, mesh_vertices), region_cells(mesh));
 }
 
 Result<std::vector<NumberedField>> measure_fields(const PackedHierarchy& hierarchy,

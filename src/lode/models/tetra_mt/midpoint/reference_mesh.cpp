@@ -56,8 +56,7 @@ Result<std::vector<Vec3d>> positions_of_leaves(const Forest& forest) {
 }
 
 /// Labels fall along splits, and with them all that is beside a vertex before it is split.
-Result<std::vector<Tetrahedron>> cells_of_all(const Forest& forest, Progress& progress) {
-  MidpointCut cut(forest);
+Result<void> split_all(const Forest& forest, MidpointCut& cut, Progress& progress) {
   const std::uint32_t n_nodes = forest.head().n_nodes();
   for (std::uint32_t node = n_nodes; node-- > 0 && !cut.is_damaged();) {
     if (node % kOften == 0) {
@@ -66,8 +65,16 @@ Result<std::vector<Tetrahedron>> cells_of_all(const Forest& forest, Progress& pr
     }
     cut.apply(NodeId{node});
   }
-  LODE_CHECK(cut.check());
-  return cut.cells();
+  return cut.check();
+}
+
+std::vector<RegionCell> region_cells(const MidpointCut& cut,
+                                     std::span<const std::int64_t> region_ids) {
+  std::vector<RegionCell> cells;
+  if (region_ids.size() < 2) return cells;
+  for (const MidpointCut::Cell& cell : cut.slots())
+    if (cut.is_inside(cell)) cells.emplace_back(cell.corners, region_ids[cell.region]);
+  return cells;
 }
 
 }  // namespace
@@ -96,7 +103,10 @@ Result<ReferenceMesh> ReferenceMesh::of(const Forest& forest,
   if (n_told != coincident_leaves.size())
     return fail("expected {} leaves that lie where others do, got {}", n_told,
                 coincident_leaves.size());
-  LODE_TRY(made.cells_, cells_of_all(forest, progress));
+  MidpointCut cut(forest);
+  LODE_CHECK(split_all(forest, cut, progress));
+  made.cells_ = cut.cells();
+  made.regions_ = region_cells(cut, forest.head().region_ids);
   sort_cells(made.cells_);
   return made;
 }
@@ -131,6 +141,10 @@ Result<std::vector<std::uint32_t>> ReferenceMesh::match(const TetraMesh& mesh) c
   if (b != theirs.end())
     return fail("expected the mesh that was built, got one with a cell of vertices {}, {}, {}, {}",
                 vertices[(*b)[0]], vertices[(*b)[1]], vertices[(*b)[2]], vertices[(*b)[3]]);
+  std::vector<RegionCell> ours = regions_;
+  for (auto& [corners, region] : ours)
+    for (std::uint32_t& v : corners) v = vertices[v];
+  LODE_CHECK(check_same_regions(std::move(ours), tetra_mt::region_cells(mesh)));
   return vertices;
 }
 

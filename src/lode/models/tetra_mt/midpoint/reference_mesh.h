@@ -8,6 +8,7 @@
 #include "lode/core/result.h"
 #include "lode/core/tetra_mesh.h"
 #include "lode/models/tetra_mt/midpoint/forest.h"
+#include "lode/models/tetra_mt/region_match.h"
 
 namespace lode::tetra_mt::midpoint {
 
@@ -22,7 +23,8 @@ class ReferenceMesh {
                                                 Progress& progress);
 
   /// By leaf the mesh's vertex. Fails where a mesh is another: expects the same positions, bit for
-  /// bit, the same cells, turned alike, and codes in the mesh's steps, so that collapses of the
+  /// bit, the same cells, turned alike, in the same regions where it
+  /// has any, and codes in the mesh's steps, so that collapses of the
   /// mesh make the forest's nodes. Positions and cells may come in another order, but for vertices
   /// at one place among themselves.
   [[nodiscard]] Result<std::vector<std::uint32_t>> match(const TetraMesh& mesh) const;
@@ -34,6 +36,7 @@ class ReferenceMesh {
   std::vector<Vec3d> positions_;       ///< By leaf.
   std::vector<std::uint32_t> leaves_;  ///< by_place(), those at one place as the mesh has them.
   std::vector<Tetrahedron> cells_;     ///< Of leaves: turned() and sorted.
+  std::vector<RegionCell> regions_;    ///< Of leaves, where there are several.
 };
 
 }  // namespace lode::tetra_mt::midpoint
