@@ -108,6 +108,7 @@ Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& ap
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   if (options.isovalues.empty()) return no_isovalue(arguments.input, arguments.reading);
   LODE_CHECK(check_surface_extension(arguments.output));
+  LODE_CHECK(check_isovalues_of(arguments.output, options.isovalues));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
   LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));
   return check_paths_differ({arguments.input},
@@ -223,21 +224,7 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
   add_units(table, extraction.input.info.volume.units);
   if (report.topology) table.add({"topology", describe_topology(report)});
-  if (extraction.options.style == SurfaceStyle::cubes) {
-    const bool has_holes = extraction.input.dataset.describe().n_holes > 0;
-    table.add({"style", report.max_error > 0 ? "cubes within the max error, tetrahedra elsewhere"
-                        : extraction.options.style_distance
-                            ? "cubes within the style distance, tetrahedra elsewhere"
-                        : has_holes ? "cubes, tetrahedra in bricks that holes touch"
-                                    : "cubes: vertices on grid edges alone"});
-    const double error = std::max(report.style_error, report.achieved_error);
-    table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});
-    table.add(
-        {"cubes",
-         fmt::format("their points at most {} from F = isovalue, measured in {}{}",
-                     format_number(report.style_distance), format_seconds(report.seconds.measure),
-                     report.max_error > 0 ? "" : "; how far that is from them, verify measures")});
-  }
+  add_style(extraction.options, report, extraction.input.info.n_holes > 0, table);
   add_salvage(table, extraction.input.dataset.salvaged(), report.achieved_error);
   table.add(
       {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
@@ -247,11 +234,8 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"nodes visited", format_count(report.nodes_visited)});
   if (report.bytes_read > 0)
     table.add({"read", fmt::format("{} of blocks", format_bytes(report.bytes_read))});
-  if (extraction.options.min_component > 0)
-    table.add(
-        {"pieces dropped",
-         fmt::format("{} with {} {}", format_count(report.components_dropped),
-                     format_count(report.triangles_dropped), is_lines ? "lines" : "triangles")});
+  add_dropped(extraction.options, report.components_dropped, report.triangles_dropped, is_lines,
+              table);
   add_distance(table, report);
   add_simplified(table, report);
   table.add({"extract", fmt::format("{} (select {:.3f}, geometry {:.3f}, finish {:.3f})",
@@ -291,7 +275,7 @@ void add_job(const ExtractReport& report, const ExtractOptions& options, const I
              Session& session, Totals& totals) {
   totals.add(report);
   warn_of_open(session, report);
-  warn_of_persistence(session, report, options);
+  warn_of_persistence(session, report, options, input.info);
   warn_of_unmet(session, report, options, input.info);
 }
 

@@ -158,6 +158,8 @@ Json rendering_json(const RenderArguments& arguments, const ExtractOptions& opti
   json["built_in_memory"] = input.was_built;
   add_extraction(json, options, report);
   add_units(json, input.info.volume.units);
+  json["components_dropped"] = report.components_dropped;
+  json["triangles_dropped"] = report.triangles_dropped;
   json["size"] = arguments.size;
   json["camera"] = camera_json(rendering.camera);
   if (!rendering.frames.is_null()) json["progressive"] = rendering.frames;
@@ -182,9 +184,12 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
   table.add({"max error", describe_tolerance(options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   add_units(table, input.info.volume.units);
+  if (report.topology) table.add({"topology", describe_topology(report)});
+  add_style(options, report, input.info.n_holes > 0, table);
   const bool is_lines = input.info.model == "diamond2d";
   table.add(
       {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
+  add_dropped(options, report.components_dropped, report.triangles_dropped, is_lines, table);
   table.add({"size", arguments.size + " pixels"});
   table.add({input.was_built ? "read and build" : "open", format_seconds(input.open_seconds)});
   table.add({"extract", format_seconds(report.seconds.total)});
@@ -259,6 +264,7 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
   warn_of_open(session, rendering.extraction);
+  warn_of_persistence(session, rendering.extraction, extraction, input.info);
   warn_of_unmet(session, rendering.extraction, extraction, input.info);
   if (extraction.border == Border::closed)
     crease_caps(input.info.volume.grid, options.threads, surface);

@@ -55,7 +55,7 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
 }
 
 std::string focused_text(const MeshJob& job, const Input& input, const FocusedReport& report,
-                         const Surface& surface, const Query& query) {
+                         const Surface& surface, const Query& query, const ExtractOptions& plain) {
   Table table;
   if (report.max_error)
     table.add({"max error", *report.max_error == 0 && job.extraction.max_error.empty()
@@ -77,6 +77,7 @@ std::string focused_text(const MeshJob& job, const Input& input, const FocusedRe
   table.add({is_lines ? "lines" : "triangles",
              format_count(is_lines ? surface.lines.size() : surface.triangles.size())});
   table.add({"vertices", format_count(surface.positions.size())});
+  add_dropped(plain, report.components_dropped, report.triangles_dropped, is_lines, table);
   table.add({"simplices", format_count(report.standing.n_cells)});
   table.add({"extract", format_seconds(report.seconds)});
   if (report.max_error_px) table.add({"world errors", format_seconds(report.world_error_seconds)});
@@ -104,7 +105,10 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
                              format_number(report.standing.error_bound)));
   if (!surface.is_empty()) return;
   const bool is_limited = !report.standing.is_settled || !report.standing.memory_met || has_budget;
-  if (!is_limited || report.standing.error_bound == 0) {
+  if (report.components_dropped > 0) {
+    session.warn(fmt::format("no surface at isovalue {}: all {} pieces are below --min-component",
+                             isovalue, report.components_dropped));
+  } else if (!is_limited || report.standing.error_bound == 0) {
     ExtractReport unmet;
     unmet.unmet = {isovalue};
     warn_of_unmet(session, unmet, options, info);
@@ -161,7 +165,7 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   Outcome outcome;
   outcome.json = focused_json(job, input, report, surface, options.query);
   outcome.json["warnings"] = session.warnings();
-  outcome.text = focused_text(job, input, report, surface, options.query);
+  outcome.text = focused_text(job, input, report, surface, options.query, plain);
   return outcome;
 }
 

@@ -409,7 +409,10 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, TetraJob wanted, Session& 
   if (job.query.is_boundary && !wanted.mesh.query.isovalues.empty())
     session.note("--isovalue: with --boundary no surface, but where the boundary is accurate");
   LODE_TRY(std::optional<Warped> warped,
-           apply_warp(job.query.warp, input, report.achieved_error, surface));
+           apply_warp(
+               job.query.warp, input, report.achieved_error,
+               job.query.is_section() ? wanted.sections.isovalues : wanted.surface.query.isovalues,
+               surface));
   const bool is_empty = surface.is_empty();
   LODE_TRY(const Dropped dropped, edit_surface(job, session.threads(), surface));
   if (surface.is_empty() && !is_empty)
@@ -460,8 +463,7 @@ Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
   if (isovalues.empty())
     return fail("{}: expected --isovalue or --mesh, --section or --boundary, got none of them",
                 job.input);
-  if (can_hold_isovalues(job.output)) return {};
-  return check_differ_as_floats(job.output, isovalues);
+  return check_isovalues_of(job.output, isovalues);
 }
 
 }  // namespace

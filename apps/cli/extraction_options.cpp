@@ -139,7 +139,7 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
 void add_isovalues(const std::vector<double>& isovalues, Table& table) {
   std::string texts;
   for (const double isovalue : isovalues)
-    texts += (texts.empty() ? "" : "; ") + format_number(isovalue);
+    texts += (texts.empty() ? "" : "; ") + fmt::format("{}", isovalue);
   table.add({isovalues.size() == 1 ? "isovalue" : "isovalues", texts});
 }
 
@@ -157,8 +157,9 @@ std::string describe_topology(const ExtractReport& report) {
           : "of full resolution";
   std::string left_out;
   if (kept.leaves_out_weak)
-    left_out =
-        fmt::format("; regions left out that do not persist: {}", format_count(kept.weak_regions));
+    left_out = fmt::format(
+        "; regions left out that do not persist: {}, beside those that the tolerance loses",
+        format_count(kept.weak_regions));
   else if (kept.persistence > 0)
     left_out = "; within the distance nothing is left out";
   if (!kept.is_searched)
@@ -211,14 +212,55 @@ void warn_of_open(Session& session, const ExtractReport& report) {
 }
 
 void warn_of_persistence(Session& session, const ExtractReport& report,
-                         const ExtractOptions& options) {
-  if (!report.topology || !report.topology->leaves_out_weak ||
-      !(report.topology->persistence < options.keep_topology))
+                         const ExtractOptions& options, const DatasetInfo& info) {
+  if (!report.topology || !report.topology->leaves_out_weak) return;
+  const double persistence = report.topology->persistence;
+  if (persistence < options.keep_topology)
+    session.warn(fmt::format(
+        "--keep-topology: what is farther than --max-error from the isovalue keeps its side, so it "
+        "is {} in place of {}",
+        persistence, *options.keep_topology));
+  for (const double isovalue : options.isovalues) {
+    const bool is_low = isovalue - persistence < info.range_min;
+    if (!is_low && isovalue + persistence <= info.range_max) continue;
+    session.warn(fmt::format(
+        "--keep-topology: no value is {} {}, so nothing {} the isovalue {} persists by {}: no more "
+        "than {} does",
+        is_low ? "below" : "above", is_low ? isovalue - persistence : isovalue + persistence,
+        is_low ? "below" : "above", isovalue, persistence,
+        is_low ? isovalue - info.range_min : info.range_max - isovalue));
+  }
+}
+
+void add_style(const ExtractOptions& options, const ExtractReport& report, bool has_holes,
+               Table& table) {
+  if (options.style != SurfaceStyle::cubes) return;
+  const char* const when = report.simplified ? ", before it was simplified" : "";
+  table.add({"style", report.max_error > 0 ? "cubes within the max error, tetrahedra elsewhere"
+                      : options.style_distance
+                          ? "cubes within the style distance, tetrahedra elsewhere"
+                      : has_holes ? "cubes, tetrahedra in bricks that holes touch"
+                                  : "cubes: vertices on grid edges alone"});
+  if (options.deviation != Deviation::measured) {
+    if (report.max_error == 0)
+      table.add({"|F - isovalue|", "of cubes not measured: lode extract measures it"});
     return;
-  session.warn(fmt::format(
-      "--keep-topology: what is farther than --max-error from the isovalue keeps its side, so it "
-      "is {} in place of {}",
-      report.topology->persistence, *options.keep_topology));
+  }
+  const double error = std::max(report.style_error, report.achieved_error);
+  table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});
+  table.add(
+      {"cubes",
+       fmt::format("their points at most {} from F = isovalue, measured in {}{}",
+                   format_number(report.style_distance), format_seconds(report.seconds.measure),
+                   report.max_error > 0 ? "" : "; how far that is from them, verify measures")});
+}
+
+void add_dropped(const ExtractOptions& options, std::uint64_t components, std::uint64_t cells,
+                 bool is_lines, Table& table) {
+  if (options.min_component > 0)
+    table.add(
+        {"pieces dropped", fmt::format("{} with {} {}", format_count(components),
+                                       format_count(cells), is_lines ? "lines" : "triangles")});
 }
 
 void warn_of_coordinates(Session& session, const RegularGrid& grid) {

@@ -50,7 +50,13 @@ void warn_of_cubes(Session& session, const ExtractOptions& options);
 void warn_of_open(Session& session, const ExtractReport& report);
 /// Warns where a surface is simplified within an error that is less than the persistence.
 void warn_of_persistence(Session& session, const ExtractReport& report,
-                         const ExtractOptions& options);
+                         const ExtractOptions& options, const DatasetInfo& info);
+/// Of cubes, what they are and how far off; of tetrahedra nothing.
+void add_style(const ExtractOptions& options, const ExtractReport& report, bool has_holes,
+               Table& table);
+/// What --min-component dropped, where it is there.
+void add_dropped(const ExtractOptions& options, std::uint64_t components, std::uint64_t cells,
+                 bool is_lines, Table& table);
 /// Warns where coordinates do not tell vertices apart.
 void warn_of_coordinates(Session& session, const RegularGrid& grid);
 /// Warns of each isovalue without a surface, naming the value range or the options that may have

@@ -165,6 +165,7 @@ void add_simplified(Json& json, const ExtractReport& report) {
   simplified["components_dropped"] = done.components_dropped;
   simplified["triangles_dropped"] = done.triangles_dropped;
   simplified["input_crossings"] = done.input_crossings;
+  simplified["by_pieces"] = done.by_pieces;
   json["seconds"]["simplify"] = report.seconds.simplify;
 }
 
@@ -174,6 +175,8 @@ void add_simplified(Table& table, const ExtractReport& report) {
   table.add({"simplified", fmt::format("from {} triangles, {} collapses ({} undone)",
                                        format_count(done.triangles_before),
                                        format_count(done.collapses), format_count(done.undone))});
+  if (done.by_pieces)
+    table.add({"by pieces", "as the memory limit asks: seams keep triangles that it would not"});
   if (done.start_distance > 0 && done.max_error > 0)
     table.add({"beginning with", fmt::format("a surface within {} of full resolution",
                                              format_number(done.start_distance))});

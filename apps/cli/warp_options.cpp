@@ -139,11 +139,14 @@ Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments, const T
 }
 
 Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments, const TetraInput& input,
-                                         double largest_error, Surface& surface) {
+                                         double largest_error, std::span<const double> isovalues,
+                                         Surface& surface) {
   if (!input.warp) return std::optional<Warped>();
   LODE_TRY(const double scale, scale_of(arguments));
   std::vector<double> measured = surface.values;
-  if (measured.empty()) measured.assign(surface.isovalues.begin(), surface.isovalues.end());
+  if (measured.empty()) measured = surface.isovalues;
+  if (measured.empty() && isovalues.size() == 1)
+    measured.assign(surface.positions.size(), isovalues.front());
   LODE_EXPECTS(measured.size() == surface.positions.size());
   const Vector vector = vector_in(input, surface.attributes, measured, largest_error);
   warp(surface, vector.values, scale);

@@ -34,10 +34,12 @@ struct Warped {
                                                        const TetraInput& input,
                                                        double largest_error, Threads threads,
                                                        SimplexMesh& mesh);
-/// Of an isosurface the measured field is what the surface is at.
+/// Of an isosurface the measured field is what the surface is at: of one isovalue, that.
 [[nodiscard]] Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments,
                                                        const TetraInput& input,
-                                                       double largest_error, Surface& surface);
+                                                       double largest_error,
+                                                       std::span<const double> isovalues,
+                                                       Surface& surface);
 
 /// Says so of an answer; nothing where it is as it was.
 void add_warp(const std::optional<Warped>& warped, Table& table, Json& json);

@@ -57,7 +57,7 @@ TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_to
 }
 
 /// The triangles of one isovalue.
-Surface part_of(const Surface& all, float isovalue) {
+Surface part_of(const Surface& all, double isovalue) {
   Surface part;
   part.positions = all.positions;
   for (const auto& triangle : all.triangles)
@@ -90,7 +90,7 @@ TEST_F(cli_tetra, writes_isovalues_of_one_cut_to_a_file_each_where_formats_do_no
       const Surface one = read_surface(paths.back()).value();
       EXPECT_GT(one.triangles.size(), 20U);
       EXPECT_EQ(oracles::sorted_triangles(one),
-                oracles::sorted_triangles(part_of(all, std::stof(isovalue))))
+                oracles::sorted_triangles(part_of(all, std::stod(isovalue))))
           << paths.back();
       if (extension == ".obj") EXPECT_EQ(one.normals.size(), one.positions.size());
     }

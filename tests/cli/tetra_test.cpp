@@ -368,8 +368,10 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
           "--max-error-outside: expected a focus");
   refused({"extract", input_, surface, "--isovalue", "3", "--style", "cubes"}, "--style");
   refused({"extract", input_, surface, "--isovalue", "3", "--simplify"}, "--simplify");
-  refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "3.00000001"},
+  refused({"extract", input_, scratch_ / "out.glb", "--isovalue", "3", "--isovalue", "3.00000001"},
           "expected isovalues that differ as float32");
+  refused({"extract", input_, scratch_ / "out.glb", "--isovalue", "3", "--isovalue", "1e300"},
+          "expected isovalues that float32 holds");
   write_bytes(scratch_ / "in-4.obj",
               R"({"eye": [0, -9, 0], "target": [0, 0, 0], "up": [0, 0, 1]})");
   refused({"extract", input_, scratch_ / "in.obj", "--isovalue", "3", "--isovalue", "4", "--view",

@@ -48,6 +48,14 @@ TEST_P(surface_formats, give_back_what_was_written) {
   }
 }
 
+TEST(surface_isovalues, are_kept_to_the_last_bit_where_formats_have_doubles) {
+  Surface torus = make_torus(6);
+  for (std::size_t i = 0; i < torus.positions.size(); ++i)
+    torus.isovalues[i] = i % 2 == 0 ? 1e6 + 0.0025 : -3e300;
+  for (const char* const extension : {".ply", ".vtp"})
+    EXPECT_EQ(written_and_read(extension, torus, {}).isovalues, torus.isovalues) << extension;
+}
+
 /// As properties of one word, none of which is taken for what else a vertex has.
 TEST(surface_attributes, are_properties_of_ply_vertices) {
   Surface torus = make_torus(5);

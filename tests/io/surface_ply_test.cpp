@@ -73,7 +73,7 @@ TEST(ply_file, reads_ascii_with_crlf_and_rounds_floats_once) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read.value().positions[0][0], 0.1F);
   EXPECT_EQ(read.value().positions[1][2], 0.0F);
-  EXPECT_EQ(read.value().isovalues, (std::vector<float>{7, 7, 8}));
+  EXPECT_EQ(read.value().isovalues, (std::vector<double>{7, 7, 8}));
   EXPECT_EQ(read.value().triangles.size(), 1U);
 }
 
@@ -87,11 +87,11 @@ TEST(ply_file, writes_the_documented_bytes) {
   std::string expected =
       "ply\nformat binary_little_endian 1.0\ncomment two lines\ncomment frame RAS\n"
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float isovalue\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "property double isovalue\nelement face 1\nproperty list uchar int vertex_indices\n"
       "end_header\n";
   for (int i = 0; i < 3; ++i) {
     for (int k = 1; k <= 3; ++k) append(expected, static_cast<float>(3 * i + k), false);
-    append(expected, static_cast<float>(10 + i), false);
+    append(expected, static_cast<double>(10 + i), false);
   }
   expected += '\3';
   for (const std::uint32_t vertex : {0U, 1U, 2U}) append(expected, vertex, false);

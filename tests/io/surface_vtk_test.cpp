@@ -116,10 +116,10 @@ TEST(surfaces_in_vtk, are_read_with_the_same_counts_and_bounds) {
     words >> description >> lowest >> highest;
     expect_same(description, written.expected, written.tolerance, written.path);
     if (written.path.ends_with("torus.vtp")) {
-      const std::vector<float> isovalues = make_torus(30).isovalues;
+      const std::vector<double> isovalues = make_torus(30).isovalues;
       const auto [least, most] = std::minmax_element(isovalues.begin(), isovalues.end());
-      EXPECT_EQ(std::stod(lowest), double{*least});
-      EXPECT_EQ(std::stod(highest), double{*most});
+      EXPECT_EQ(std::stod(lowest), *least);
+      EXPECT_EQ(std::stod(highest), *most);
     }
     ::unlink(written.path.c_str());
   }

@@ -140,8 +140,8 @@ TEST(mesh_isosurface, of_several_isovalues_are_appended) {
   const Surface second = isosurface_of(mesh, -0.1);
   add_isosurface(mesh, -0.1, {.margin = rounding_margin(mesh.positions, {}), .threads = {2}}, both);
   ASSERT_EQ(both.positions.size(), first.positions.size() + second.positions.size());
-  EXPECT_EQ(both.isovalues.front(), 0.1F);
-  EXPECT_EQ(both.isovalues.back(), -0.1F);
+  EXPECT_EQ(both.isovalues.front(), 0.1);
+  EXPECT_EQ(both.isovalues.back(), -0.1);
   const auto n = static_cast<std::uint32_t>(first.positions.size());
   for (std::size_t i = 0; i < second.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k)

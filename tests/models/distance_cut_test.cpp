@@ -145,9 +145,7 @@ std::uint64_t n_crossings(const Surface& surface) {
 /// The triangles at an isovalue, with all vertices.
 Surface part_at(const Surface& surface, double isovalue) {
   Surface part = surface;
-  std::erase_if(part.triangles, [&](const auto& t) {
-    return surface.isovalues[t[0]] != static_cast<float>(isovalue);
-  });
+  std::erase_if(part.triangles, [&](const auto& t) { return surface.isovalues[t[0]] != isovalue; });
   return part;
 }
 

@@ -44,7 +44,8 @@ Extracted one_by_one(const Dataset& dataset, ExtractOptions options) {
     };
     append(all.surface.positions, one.surface.positions);
     append(all.surface.normals, one.surface.normals);
-    append(all.surface.isovalues, one.surface.isovalues);
+    EXPECT_TRUE(one.surface.isovalues.empty());
+    if (isovalues.size() > 1) all.surface.isovalues.resize(all.surface.positions.size(), isovalue);
     for (auto cell : one.surface.triangles)
       all.surface.triangles.push_back({cell[0] + n, cell[1] + n, cell[2] + n});
     for (auto cell : one.surface.lines) all.surface.lines.push_back({cell[0] + n, cell[1] + n});
@@ -181,6 +182,38 @@ TEST(many_isosurfaces, of_a_file_that_do_not_fit_take_more_passes) {
     EXPECT_LT(together.report.nodes_visited, apart.report.nodes_visited * 2);
     if (limit == 1'000'000'000)
       EXPECT_LT(together.report.nodes_visited, apart.report.nodes_visited * 5 / 4);
+  }
+}
+
+/// Which float32 would take for one, or for none.
+TEST(many_isosurfaces, may_be_nearer_than_float32_tells_apart) {
+  const auto wave = [](const Index3& p) {
+    return std::sin(0.7 * p[0] + 0.2 * p[2]) * std::cos(0.5 * p[1]);
+  };
+  const RegularGrid grid{.dims = {{17, 15, 13}}};
+  struct Scale {
+    double offset;
+    double width;
+  };
+  for (const Scale& scale :
+       {Scale{1e6, 0.01}, Scale{101325, 0.05}, Scale{0, 1e300}, Scale{0, 1e-46}}) {
+    SCOPED_TRACE(scale.width);
+    const Dataset dataset = test::built_dataset(oracles::volume_of<double>(
+        grid, [&](const Index3& p) { return scale.offset + scale.width * wave(p); }));
+    const ExtractOptions options{
+        .isovalues = {scale.offset + 0.25 * scale.width, scale.offset + 0.5 * scale.width},
+        .max_error = 0.0,
+        .threads = {2}};
+    Surface surface = extracted(dataset, options).surface;
+    EXPECT_EQ(surface.isovalues.front(), options.isovalues.front());
+    EXPECT_EQ(surface.isovalues.back(), options.isovalues.back());
+    Progress progress;
+    const auto report = dataset.verify_surface(surface, options, progress);
+    ASSERT_TRUE(report);
+    for (const auto& check : report->checks)
+      EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+    std::ranges::reverse(surface.isovalues);
+    EXPECT_FALSE(dataset.verify_surface(surface, options, progress)->passed());
   }
 }
 

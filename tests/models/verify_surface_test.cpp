@@ -103,7 +103,6 @@ TEST(verify_surface, without_holes_there_are_no_twins) {
     const auto twin = static_cast<std::uint32_t>(s.positions.size());
     s.positions.push_back(s.positions[v]);
     if (!s.normals.empty()) s.normals.push_back(s.normals[v]);
-    s.isovalues.push_back(s.isovalues[v]);
     s.triangles[3][0] = twin;
   });
   expect_failure(failed, "no duplicate vertex", {"1 duplicates", "first: vertices", " at ("});
@@ -113,7 +112,6 @@ TEST(verify_surface, vertices_and_triangles_of_no_use_are_named) {
   const auto unused = failures_of([](Surface& s) {
     s.positions.push_back({{1, 2, 3}});
     if (!s.normals.empty()) s.normals.push_back(s.normals[0]);
-    s.isovalues.push_back(s.isovalues[0]);
   });
   ASSERT_EQ(unused.size(), 1U);
   expect_failure(unused, "no unused vertex", {"1 bad", "vertex", "at (1, 2, 3)"});

@@ -59,7 +59,7 @@ void add_kept_pieces(const Surface& surface, const Surface& before, Threads thre
              fmt::format("{} pieces of {}", found.size(), wanted.size()));
 }
 
-Surface part_of(const Surface& surface, float isovalue) {
+Surface part_of(const Surface& surface, double isovalue) {
   Surface part;
   part.origin = surface.origin;
   part.positions = surface.positions;
@@ -73,7 +73,7 @@ namespace {
 /// Of each isovalue by itself, as what is near may be of another one, where vertices tell theirs.
 Result<SurfaceDistance> measure_by_isovalue(const Surface& surface, const Surface& other,
                                             const DistanceOptions& options, Progress& progress) {
-  std::set<float> isovalues(surface.isovalues.begin(), surface.isovalues.end());
+  std::set<double> isovalues(surface.isovalues.begin(), surface.isovalues.end());
   isovalues.insert(other.isovalues.begin(), other.isovalues.end());
   if (surface.isovalues.empty() || other.isovalues.empty() || isovalues.size() == 1)
     return measure_distance(surface, other, options, progress);
@@ -82,7 +82,7 @@ Result<SurfaceDistance> measure_by_isovalue(const Surface& surface, const Surfac
     to.lower = std::max(to.lower, by.lower);
     to.upper = std::max(to.upper, by.upper);
   };
-  for (const float isovalue : isovalues) {
+  for (const double isovalue : isovalues) {
     LODE_TRY(
         const SurfaceDistance here,
         measure_distance(part_of(surface, isovalue), part_of(other, isovalue), options, progress));

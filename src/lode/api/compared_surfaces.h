@@ -18,7 +18,7 @@ namespace lode {
 [[nodiscard]] double file_rounding(const Surface& a, const Surface& b);
 
 /// The triangles of one isovalue; all vertices. Vertices have isovalues.
-[[nodiscard]] Surface part_of(const Surface& surface, float isovalue);
+[[nodiscard]] Surface part_of(const Surface& surface, double isovalue);
 
 /// Compares what kinds of pieces there are.
 void add_pieces(const Surface& surface, const Surface& other, const char* whose, Threads threads,

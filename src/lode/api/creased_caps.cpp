@@ -37,7 +37,7 @@ void crease_caps(const RegularGrid& grid, Threads threads, Surface& surface) {
       if (is_new) {
         surface.positions.push_back(Vec3f(surface.positions[v]));
         if (!surface.normals.empty()) surface.normals.push_back(normal);
-        if (!surface.isovalues.empty()) surface.isovalues.push_back(float{surface.isovalues[v]});
+        if (!surface.isovalues.empty()) surface.isovalues.push_back(double{surface.isovalues[v]});
       }
       v = copy->second;
     }

@@ -62,6 +62,7 @@ using io::describe_volume;
 using io::FileDescription;
 using io::find_program;
 using io::has_depths;
+using io::has_narrow_isovalues;
 using io::HeightEncoding;
 using io::HeightRaster;
 using io::HeightReadOptions;

@@ -32,8 +32,7 @@ inline std::vector<double> unmet_isovalues(const Surface& surface,
   // Without the attribute the vertices cannot be told apart; then only one isovalue was asked for.
   if (surface.isovalues.empty()) return unmet;
   for (const double isovalue : isovalues)
-    if (std::ranges::find(surface.isovalues, static_cast<float>(isovalue)) ==
-        surface.isovalues.end())
+    if (std::ranges::find(surface.isovalues, isovalue) == surface.isovalues.end())
       unmet.push_back(isovalue);
   return unmet;
 }

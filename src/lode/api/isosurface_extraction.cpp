@@ -140,6 +140,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   finisher.finish(report);
   if (simplifier) {
     report.simplified = simplifier->report();
+    report.simplified->by_pieces = true;
     add_start(start, options, *report.simplified);
     const SimplifySeconds& seconds = report.simplified->seconds;
     report.seconds.simplify = seconds.collapse + seconds.check + seconds.finish;

@@ -1,11 +1,11 @@
 #include "lode/api/isovalue_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <new>
-#include <optional>
 #include <utility>
 
 #include "lode/api/files.h"
@@ -21,26 +21,17 @@ namespace {
 using Note = std::function<io::SurfaceWriteOptions(const ExtractReport&, double)>;
 using Streams = std::vector<std::unique_ptr<io::SurfaceStream>>;
 
-/// Vertices tell isovalues apart as float32 alone.
-std::optional<std::pair<double, double>> equal_as_floats(std::vector<double> isovalues) {
-  std::ranges::sort(isovalues);
-  const auto same = std::ranges::adjacent_find(
-      isovalues, [](double a, double b) { return static_cast<float>(a) == static_cast<float>(b); });
-  if (same == isovalues.end()) return std::nullopt;
-  return std::pair{*same, *std::next(same)};
-}
-
 /// Hands a surface whose isovalues come one after the other on to a sink for each.
 class IsovalueSplitter final : public SurfaceSink {
  public:
   IsovalueSplitter(const std::vector<double>& isovalues, const Streams& streams) {
     for (std::size_t i = 0; i < isovalues.size(); ++i)
-      parts_.push_back({static_cast<float>(isovalues[i]), streams[i].get()});
+      parts_.push_back({isovalues[i], streams[i].get()});
   }
 
   [[nodiscard]] Result<void> add(SurfacePiece piece) override {
     if (piece.surface.positions.empty()) return {};
-    const float isovalue = piece.surface.isovalues.front();
+    const double isovalue = piece.surface.isovalues.front();
     const auto part = std::ranges::find(parts_, isovalue, &Part::isovalue);
     LODE_EXPECTS(part != parts_.end());
     if (part->n == 0) part->first = piece.first_new;
@@ -63,7 +54,7 @@ class IsovalueSplitter final : public SurfaceSink {
 
  private:
   struct Part {
-    float isovalue;
+    double isovalue;
     SurfaceSink* sink;
     std::uint32_t first = 0;  ///< The number of its first vertex in the whole.
     std::uint32_t n = 0;      ///< Vertices so far.
@@ -83,7 +74,7 @@ void add_cells_at(const std::vector<Cell>& from, const std::vector<std::uint32_t
 }
 
 /// An isovalue's vertices and cells, in the order that they have.
-Surface part_at(const Surface& all, float isovalue) {
+Surface part_at(const Surface& all, double isovalue) {
   Surface part;
   part.origin = all.origin;
   std::vector<std::uint32_t> numbers(all.positions.size(), UINT32_MAX);
@@ -138,7 +129,7 @@ Result<bool> are_extracted_together(const Dataset& dataset, const ExtractOptions
   if (options.isovalues.size() < 2 || !dataset.takes_several_isovalues(options)) return false;
   if (options.max_distance || options.keep_topology || options.simplify != Simplify::off)
     return true;
-  if (!io::can_stream(path) || equal_as_floats(options.isovalues)) return false;
+  if (!io::can_stream(path)) return false;
   return dataset.comes_in_pieces(options, progress);
 }
 
@@ -147,7 +138,6 @@ Result<ExtractReport> extract_to_files(const Dataset& dataset, const ExtractOpti
                                        Progress& progress) try {
   LODE_EXPECTS(!paths.empty() && paths.size() == options.isovalues.size());
   const Stopwatch all;
-  LODE_CHECK(check_differ_as_floats(paths.front(), options.isovalues));
   LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options, progress));
   LODE_TRY(ExtractReport report, comes_in_pieces && io::can_stream(paths.front())
                                      ? stream_to_files(dataset, options, paths, note, progress)
@@ -164,18 +154,26 @@ Result<void> write_isovalue_files(const Surface& all, std::span<const double> is
                                   Progress& progress) try {
   LODE_EXPECTS(paths.size() == isovalues.size());
   for (std::size_t i = 0; i < paths.size(); ++i)
-    LODE_CHECK(write_surface(paths[i], part_at(all, static_cast<float>(isovalues[i])),
-                             note(isovalues[i]), progress));
+    LODE_CHECK(write_surface(paths[i], part_at(all, isovalues[i]), note(isovalues[i]), progress));
   return {};
 } catch (const std::bad_alloc&) {
   return out_of_memory("write the surfaces", paths.front());
 }
 
-Result<void> check_differ_as_floats(const std::string& path, std::vector<double> isovalues) {
-  const auto same = equal_as_floats(std::move(isovalues));
-  if (!same) return {};
-  return fail("{}: expected isovalues that differ as float32, got {} and {}", path, same->first,
-              same->second);
+Result<void> check_isovalues_of(const std::string& path, std::vector<double> isovalues) {
+  if (isovalues.size() < 2 || !io::has_narrow_isovalues(path)) return {};
+  std::ranges::sort(isovalues);
+  for (std::size_t i = 0; i < isovalues.size(); ++i) {
+    const auto narrow = static_cast<float>(isovalues[i]);
+    if (!std::isfinite(narrow))
+      return fail("{}: expected isovalues that float32 holds, as glTF has no others, got {}", path,
+                  isovalues[i]);
+    if (i > 0 && static_cast<float>(isovalues[i - 1]) == narrow)
+      return fail(
+          "{}: expected isovalues that differ as float32, as glTF has no others, got {} and {}",
+          path, isovalues[i - 1], isovalues[i]);
+  }
+  return {};
 }
 
 Result<Surface> read_isovalue_files(std::span<const std::string> paths,
@@ -195,7 +193,7 @@ Result<Surface> read_isovalue_files(std::span<const std::string> paths,
                   one.origin[0], one.origin[1], one.origin[2]);
     if (one.positions.empty()) continue;
     one.normals.clear();
-    one.isovalues.assign(one.positions.size(), static_cast<float>(isovalues[i]));
+    one.isovalues.assign(one.positions.size(), isovalues[i]);
     piece.first_new = collector.n_vertices();
     LODE_CHECK(collector.add(std::move(piece)));
   }

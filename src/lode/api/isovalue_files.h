@@ -23,7 +23,6 @@ namespace lode {
 /// Extracts all isovalues at once, each into a file of its own, written whole or not at all: the
 /// parts of the surface that extract() gives. `paths`: one for each isovalue, in their order, of
 /// one format. `note(report, isovalue)` is what a file says of itself; the report is of all.
-/// Refuses isovalues that are one as float32.
 [[nodiscard]] Result<ExtractReport> extract_to_files(
     const Dataset& dataset, const ExtractOptions& options, std::span<const std::string> paths,
     const std::function<io::SurfaceWriteOptions(const ExtractReport&, double isovalue)>& note,
@@ -31,16 +30,15 @@ namespace lode {
 
 /// Writes a surface's isovalues into files of their own, each whole or not at all; what is written
 /// before one fails stays. `paths`: one for each isovalue, in their order; `note(isovalue)` is what
-/// a file says of itself. Vertices must have isovalues that check_differ_as_floats() lets pass;
-/// values, errors and further fields are left out.
+/// a file says of itself. Vertices must have isovalues; values, errors and further fields are left
+/// out.
 [[nodiscard]] Result<void> write_isovalue_files(
     const Surface& all, std::span<const double> isovalues, std::span<const std::string> paths,
     const std::function<io::SurfaceWriteOptions(double isovalue)>& note, Progress& progress);
 
-/// Refuses isovalues that are one as float32: vertices tell them apart by no more. `path`: a file
-/// of them, for the message.
-[[nodiscard]] Result<void> check_differ_as_floats(const std::string& path,
-                                                  std::vector<double> isovalues);
+/// Refuses isovalues that a file of this name cannot tell apart: .glb has them as float32.
+[[nodiscard]] Result<void> check_isovalues_of(const std::string& path,
+                                              std::vector<double> isovalues);
 
 /// Surfaces of one isovalue each, read from a file each, one behind the other as extract() gives
 /// them. Refuses another number of isovalues than of paths, and files that were placed differently.

@@ -31,14 +31,14 @@ inline void add_part(const diamond::IsosurfaceReport& part, ExtractReport& repor
   report.seconds.measure += part.measure_seconds;
 }
 
-/// Gives the vertices that have come last their isovalue.
+/// Of several isovalues, gives the vertices that have come last theirs.
 inline void add_isovalue(double isovalue, const ExtractOptions& options, Surface& surface) {
-  const auto value = static_cast<float>(isovalue);
-  const std::size_t first = options.isovalues.size() == 1 ? 0 : surface.isovalues.size();
+  if (options.isovalues.size() == 1) return surface.isovalues.clear();
+  const std::size_t first = surface.isovalues.size();
   resize_large(surface.isovalues, surface.positions.size());
   for_each_piece(surface.isovalues.size() - first, options.threads,
                  [&](std::size_t begin, std::size_t end) {
-                   fill_by_copies(surface.isovalues.data() + first + begin, end - begin, value);
+                   fill_by_copies(surface.isovalues.data() + first + begin, end - begin, isovalue);
                  });
 }
 
@@ -53,7 +53,7 @@ diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options
       .with_deviation = options.deviation == Deviation::measured,
       .threads = options.threads,
       .with_normals = D == 3 && options.normals == Normals::on,
-      .with_isovalues = true,
+      .with_isovalues = options.isovalues.size() > 1,
       .replaces = options.isovalues.size() == 1};
 }
 

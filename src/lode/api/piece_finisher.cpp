@@ -21,7 +21,7 @@ void PieceFinisher::end_isovalue() {
 Result<void> PieceFinisher::add(SurfacePiece piece) {
   find_zero_normals(piece);
   Surface& surface = piece.surface;
-  surface.isovalues.assign(surface.positions.size(), static_cast<float>(isovalue_));
+  if (options_.isovalues.size() > 1) surface.isovalues.assign(surface.positions.size(), isovalue_);
   if (options_.orientation == Orientation::from_higher_values) flip_orientation(surface);
   n_triangles_ += surface.triangles.size();
   n_lines_ += surface.lines.size();

@@ -72,7 +72,6 @@ class ProgressiveSurface::Steps final : public Impl {
   [[nodiscard]] Surface surface(double moment) const override {
     Surface surface = morph_->surface(moment);
     if (step.is_first) surface.origins.clear();
-    surface.isovalues.assign(surface.positions.size(), static_cast<float>(isovalue_));
     if (has_holes_) split_pinched_vertices(surface);
     static_cast<void>(finish_edits(options_, surface));
     return surface;

@@ -94,8 +94,8 @@ Result<void> check_simplify(const ExtractOptions& options, double tolerance) {
   }
   if (options.isovalues.size() > 1)
     return fail(
-        "simplifying within a max_error: expected one isovalue, got {}: one by one, "
-        "in files of their own or as parts of an STL or OBJ, there may be several",
+        "simplifying within a max_error: expected one isovalue, got {}: .stl and .obj, which get a "
+        "file for each, may have several, each simplified by itself",
         options.isovalues.size());
   if (options.min_component > 1)
     return fail(

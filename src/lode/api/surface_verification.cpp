@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -81,8 +82,8 @@ Result<void> add_crossings(const Surface& surface, const ExtractOptions& options
                               options.isovalues.size() > 1 && !surface.isovalues.empty() &&
                               surface.lines.empty();
   if (is_by_isovalue) {
-    const std::set<float> isovalues(surface.isovalues.begin(), surface.isovalues.end());
-    for (const float isovalue : isovalues) {
+    const std::set<double> isovalues(surface.isovalues.begin(), surface.isovalues.end());
+    for (const double isovalue : isovalues) {
       std::vector<std::uint32_t> numbers;
       for (std::uint32_t i = 0; i < surface.triangles.size(); ++i)
         if (surface.isovalues[surface.triangles[i][0]] == isovalue) numbers.push_back(i);
@@ -235,17 +236,25 @@ Result<void> add_level_set(const Model<D>& model, const Surface& surface,
   return {};
 }
 
+std::string describe_sides(const diamond::SideReport& sides, diamond::SeenFrom asked) {
+  const auto describe = [](const Index3& p) { return fmt::format("{},{},{}", p[0], p[1], p[2]); };
+  if (sides.n_wrong > 0)
+    return fmt::format("{} pairs are not; first: {} and {}", sides.n_wrong,
+                       describe(sides.first[0]), describe(sides.first[1]));
+  if (asked != diamond::SeenFrom::either || sides.n_pairs == 0) return "";
+  return fmt::format("counter-clockwise seen from {} values",
+                     sides.seen_from == diamond::SeenFrom::lower_values ? "lower" : "higher");
+}
+
 template <int D>
 Result<void> add_sides(const Model<D>& model, const Surface& surface,
                        const diamond::SideOptions& options, Progress& progress,
                        VerifyReport& report) {
   LODE_TRY(const auto sides,
            diamond::check_sides(diamond::ModelSamples<D>(model), surface, options, progress));
-  const auto describe = [](const Index3& p) { return fmt::format("{},{},{}", p[0], p[1], p[2]); };
-  report.add("samples beyond the tolerance on their sides", sides.n_pairs, sides.n_wrong,
-             sides.n_wrong == 0 ? ""
-                                : fmt::format("{} pairs are not; first: {} and {}", sides.n_wrong,
-                                              describe(sides.first[0]), describe(sides.first[1])));
+  report.add(options.reach == Index3{} ? "samples beyond the tolerance on their sides"
+                                       : "samples beyond the distance on their sides",
+             sides.n_pairs, sides.n_wrong, describe_sides(sides, options.seen_from));
   return {};
 }
 
@@ -284,6 +293,39 @@ void add_domain(const RegularGrid& grid, const Surface& surface, const ExtractOp
   report.add("vertices in the volume", coordinates.size(), n_outside, std::move(detail));
 }
 
+diamond::SeenFrom seen_from(const ExtractOptions& options) {
+  return options.orientation == Orientation::from_lower_values ? diamond::SeenFrom::lower_values
+                                                               : diamond::SeenFrom::higher_values;
+}
+
+/// Of what was simplified within a distance of a level set, or of one that has a tolerance: samples
+/// that are farther from it are on their sides, and it faces them.
+template <int D>
+Result<void> add_far_sides(const Model<D>& model, const Surface& surface,
+                           const ExpectedSurface& expected, const ExtractOptions& options,
+                           Progress& progress, VerifyReport& report) {
+  if (options.isovalues.size() > 1 || options.min_component > 1 || options.clip) return {};
+  const double distance = options.simplify_distance.value_or(0) + expected.max_distance;
+  const Mat3 to_index = cofactors(model.info.grid.index_to_world_matrix());
+  const double size = std::abs(determinant(model.info.grid.index_to_world_matrix()));
+  Index3 reach;
+  for (std::size_t i = 0; i < 3; ++i) {
+    // A step along the axis is at least so long across the others.
+    const double steps = distance * length(to_index.column(i)) / size;
+    reach[i] = static_cast<std::int32_t>(std::min(std::ceil(steps * (1 + 1e-9)), 1e6));
+  }
+  const double tolerance = std::isfinite(expected.tolerance) ? expected.tolerance : 0;
+  const double persistence = leaves_out_weak(options) ? *options.keep_topology : 0;
+  return add_sides(model, surface,
+                   {.isovalue = options.isovalues.front(),
+                    .error = std::max(tolerance, persistence),
+                    .reach = reach,
+                    .seen_from = seen_from(options),
+                    .has_holes = model.has_holes(),
+                    .threads = options.threads},
+                   progress, report);
+}
+
 template <int D>
 Result<void> add_simplified(const Model<D>& model, const Surface& surface,
                             const ExpectedSurface& expected, const ExtractOptions& options,
@@ -291,12 +333,6 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
   const bool is_in_band = has_band(options, expected.tolerance);
   if (is_in_band) {
     LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
-    LODE_CHECK(add_sides(model, surface,
-                         {.isovalue = options.isovalues.front(),
-                          .error = expected.tolerance,
-                          .has_holes = model.has_holes(),
-                          .threads = options.threads},
-                         progress, report));
   } else {
     add_domain(model.info.grid, surface, options, report);
   }
@@ -314,6 +350,17 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
     if (holds) break;
   }
   std::ranges::move(first.checks, std::back_inserter(report.checks));
+  if (is_in_band) {
+    LODE_CHECK(add_sides(model, surface,
+                         {.isovalue = options.isovalues.front(),
+                          .error = expected.tolerance,
+                          .seen_from = seen_from(options),
+                          .has_holes = model.has_holes(),
+                          .threads = options.threads},
+                         progress, report));
+  } else {
+    LODE_CHECK(add_far_sides(model, surface, expected, options, progress, report));
+  }
   if (expected.keep_topology.value_or(0) == 0) return {};
   return add_persistent(diamond::ModelSamples<D>(model), model.has_holes(), surface,
                         before_simplification(options, expected.tolerance), progress, report);
@@ -353,6 +400,8 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   LODE_CHECK(add_crossings(surface, options, progress, report));
   if (options.simplify != Simplify::off) {  // no level set any more, but near one
     LODE_CHECK(add_simplified(model, surface, expected, options, progress, report));
+    LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
+    add_boundary(surface, boundary, is_closed, report);
     return note_cubes(model, surface, expected, options, progress, std::move(report));
   }
   LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
@@ -408,10 +457,15 @@ Result<VerifyReport> verify_surface_bound(const Model<D>& model, const Surface& 
     LODE_CHECK(add_sides(model, surface,
                          {.isovalue = options.isovalue,
                           .error = options.error,
+                          .seen_from = diamond::SeenFrom::either,
                           .has_holes = model.has_holes(),
                           .boxes = options.boxes,
                           .threads = options.threads},
                          progress, report));
+  LODE_TRY(const auto boundary,
+           diamond::check_boundary(samples, surface,
+                                   {.boxes = options.boxes, .threads = options.threads}, progress));
+  add_boundary(surface, boundary, false, report);
   return report;
 }
 

@@ -109,8 +109,10 @@ TetraSurfaceReport make_isosurfaces(const TetraCutMesh& cut, const TetraSurfaceO
                                     Surface& surface) {
   TetraSurfaceReport report = begin(cut, surface);
   const std::vector<double>& isovalues = options.query.isovalues;
-  const MeshIsosurfaceOptions marching{
-      .margin = cut.margin, .gradients = cut.gradients, .threads = options.threads};
+  const MeshIsosurfaceOptions marching{.margin = cut.margin,
+                                       .with_isovalues = isovalues.size() > 1,
+                                       .gradients = cut.gradients,
+                                       .threads = options.threads};
   for (const double isovalue : isovalues)
     report.achieved_error =
         std::max(report.achieved_error, add_isosurface(cut.mesh, isovalue, marching, surface));

@@ -82,6 +82,8 @@ bool can_hold_isovalues(const std::string& path) {
   return format != nullptr && format->holds_isovalues;
 }
 
+bool has_narrow_isovalues(const std::string& path) { return extension_of(path) == ".glb"; }
+
 bool can_hold_values(const std::string& path) {
   const SurfaceFormat* format = find_format(path);
   return format != nullptr && format->holds_values;

@@ -55,6 +55,8 @@ struct SurfaceWriteOptions {
 
 /// Whether the format that the extension names has a per-vertex attribute for isovalues.
 [[nodiscard]] bool can_hold_isovalues(const std::string& path);
+/// Whether these are float32.
+[[nodiscard]] bool has_narrow_isovalues(const std::string& path);
 
 /// Whether the format that the extension names can hold values per vertex and errors per cell.
 [[nodiscard]] bool can_hold_values(const std::string& path);

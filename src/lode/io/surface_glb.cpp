@@ -304,7 +304,9 @@ Result<void> read_primitive(const std::string& path, const json& document,
     LODE_TRY(surface.normals, copy_array<Vec3f>(path, document, data, *attributes, "NORMAL"));
   }
   if (member(*attributes, "_ISOVALUE") != nullptr) {
-    LODE_TRY(surface.isovalues, copy_array<float>(path, document, data, *attributes, "_ISOVALUE"));
+    LODE_TRY(const std::vector<float> narrow,
+             copy_array<float>(path, document, data, *attributes, "_ISOVALUE"));
+    surface.isovalues.assign(narrow.begin(), narrow.end());
   }
   const std::optional<std::uint64_t> mode = number(primitive, "mode", kGlTriangles);
   if (mode == std::uint64_t{kGlPoints} && member(primitive, "indices") == nullptr) return {};
@@ -406,7 +408,10 @@ Result<void> write_glb(const std::string& path, const Surface& surface,
     LODE_CHECK(write_words(file, {n_data_bytes, kBinChunk}));
     LODE_CHECK(write_array(file, std::span(near.of(surface))));
     LODE_CHECK(write_array(file, std::span(surface.normals)));
-    LODE_CHECK(write_array(file, std::span(surface.isovalues)));
+    std::vector<float> isovalues;  // glTF has no doubles
+    isovalues.reserve(surface.isovalues.size());
+    for (const double value : surface.isovalues) isovalues.push_back(static_cast<float>(value));
+    LODE_CHECK(write_array(file, std::span<const float>(isovalues)));
     LODE_CHECK(write_array(file, std::span(surface.triangles)));
     LODE_CHECK(write_array(file, std::span(surface.lines)));
   }

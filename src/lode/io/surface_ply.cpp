@@ -63,7 +63,7 @@ std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& o
   for (const char* name : {"x", "y", "z"}) add("property {} {}\n", coordinate, name);
   if (layout.has_normals)
     for (const char* name : {"nx", "ny", "nz"}) add("property float {}\n", name);
-  if (layout.has_isovalues) add("property float isovalue\n");
+  if (layout.has_isovalues) add("property double isovalue\n");
   if (layout.has_values) add("property double value\n");
   if (layout.has_origins)
     for (const char* name : {"x", "y", "z"}) add("property {} origin_{}\n", coordinate, name);
@@ -87,7 +87,7 @@ std::size_t place_bytes(const SurfaceLayout& layout) {
 std::size_t vertex_bytes(const SurfaceLayout& layout) {
   const std::size_t place = place_bytes(layout);
   return place + (layout.has_origins ? place : 0) + (layout.has_normals ? sizeof(Vec3f) : 0) +
-         (layout.has_isovalues ? sizeof(float) : 0) + (layout.has_values ? sizeof(double) : 0) +
+         (layout.has_isovalues ? sizeof(double) : 0) + (layout.has_values ? sizeof(double) : 0) +
          layout.attributes.size() * sizeof(double);
 }
 

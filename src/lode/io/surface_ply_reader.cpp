@@ -226,7 +226,7 @@ class PlyParser {
       if (has_normals)
         surface_.normals.push_back(
             {{to_attribute(values[nx]), to_attribute(values[ny]), to_attribute(values[nz])}});
-      if (has[isovalue]) surface_.isovalues.push_back(to_attribute(values[isovalue]));
+      if (has[isovalue]) surface_.isovalues.push_back(values[isovalue]);
       if (has_origins) origins_.push_back({{values[ox], values[oy], values[oz]}});
     }
     return {};

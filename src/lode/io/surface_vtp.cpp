@@ -53,7 +53,7 @@ VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOption
                      array.fields.size() > 1 ? R"( NumberOfComponents="3")" : ""),
          n * array.fields.size() * sizeof(double)});
   if (surface.has_isovalues)
-    layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
+    layout.isovalues = {R"(type="Float64" Name="isovalue")", n * sizeof(double)};
   if (surface.has_normals)
     layout.normals = {R"(type="Float32" Name="Normals" NumberOfComponents="3")", n * sizeof(Vec3f)};
   if (surface.has_origins)
@@ -305,7 +305,7 @@ class VtpStream : public WaitingStream {
     if (arrays.isovalues) LODE_CHECK(write_array_size(file, *arrays.isovalues));
     for (const auto& [isovalue, n] : isovalues_)
       LODE_CHECK(
-          write_records(file, n, sizeof(float),
+          write_records(file, n, sizeof(double),
                         [value = isovalue](std::size_t, std::byte* out) { put(out, value); }));
     if (arrays.isovalues)
       for (const SurfacePiece& piece : pieces())
@@ -334,7 +334,7 @@ class VtpStream : public WaitingStream {
 
   std::string path_;
   Progress& progress_;
-  std::vector<std::pair<float, std::size_t>> isovalues_;  ///< Spooled, of so many vertices each.
+  std::vector<std::pair<double, std::size_t>> isovalues_;  ///< Spooled, of so many vertices each.
   PatchedSpool normals_;
   PatchedSpool points_;
   PatchedSpool corners_;

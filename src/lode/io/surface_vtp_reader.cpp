@@ -76,7 +76,7 @@ Result<void> read_point_data(const VtkXmlFile& xml, pugi::xml_node point_data, S
   }
   if (const pugi::xml_node isovalues = array_named(point_data, "isovalue")) {
     LODE_TRY(const std::vector<double> values, read_array(xml, isovalues, n));
-    for (const double value : values) surface.isovalues.push_back(to_attribute(value));
+    surface.isovalues = values;
   }
   if (const pugi::xml_node origins = array_named(point_data, "origin")) {
     LODE_TRY(const std::vector<double> values, read_array(xml, origins, 3 * n));

@@ -220,7 +220,7 @@ void MeshMarcher::make_room() {
     n_triangles += block.triangles.size();
   }
   resize_large(surface_.positions, n_vertices);
-  resize_large(surface_.isovalues, n_vertices);
+  if (options_.with_isovalues) resize_large(surface_.isovalues, n_vertices);
   if (!options_.gradients.empty()) resize_large(surface_.normals, n_vertices);
   if (surface_.attributes.empty())
     for (const Attribute& from : mesh_.attributes)
@@ -232,7 +232,6 @@ void MeshMarcher::make_room() {
 
 /// From the lower value to the higher, so that a position does not depend on vertices' numbers.
 void MeshMarcher::place_part(const EdgePart& part) {
-  const auto isovalue = static_cast<float>(isovalue_);
   for (std::size_t k = 0; k < part.edges.size(); ++k) {
     auto low = static_cast<std::uint32_t>(part.edges[k] >> 32);
     auto high = static_cast<std::uint32_t>(part.edges[k]);
@@ -242,7 +241,7 @@ void MeshMarcher::place_part(const EdgePart& part) {
     const double t =
         crossing_of(isovalue_, mesh_.values[low], mesh_.values[high], way, options_.margin);
     surface_.positions[part.first_id + k] = narrowed(from + way * t);
-    surface_.isovalues[part.first_id + k] = isovalue;
+    if (options_.with_isovalues) surface_.isovalues[part.first_id + k] = isovalue_;
     for (std::size_t i = 0; i < mesh_.attributes.size(); ++i) {
       const std::vector<double>& values = mesh_.attributes[i].values;
       surface_.attributes[i].values[part.first_id + k] = values[low] * (1 - t) + values[high] * t;

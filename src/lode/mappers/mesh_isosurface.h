@@ -12,6 +12,7 @@ struct MeshIsosurfaceOptions {
   /// How far vertices keep away from the ends of their edges, world units, but at most a quarter of
   /// the edge: rounding_margin(), so that rounding to float32 makes no two of them one.
   double margin = 0;
+  bool with_isovalues = true;  ///< By vertex.
   /// By vertex of the mesh: gives vertices normals, that are turned to lower values; zero where
   /// gradients cancel (see fill_zero_normals()). Empty: no normals.
   std::span<const Vec3f> gradients{};

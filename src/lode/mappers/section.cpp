@@ -174,7 +174,7 @@ std::uint32_t IsolineMarcher::vertex_on(std::uint32_t a, std::uint32_t b) {
   const Vec3d way = section_.world_position(b) - from;
   const double t = crossing_of(isovalue_, section_.values[a], section_.values[b], way, distance_);
   lines_.positions.push_back(narrowed(from + way * t - section_.origin));
-  lines_.isovalues.push_back(static_cast<float>(isovalue_));
+  lines_.isovalues.push_back(isovalue_);
   for (std::size_t i = 0; i < section_.attributes.size(); ++i) {
     const std::vector<double>& values = section_.attributes[i].values;
     lines_.attributes[i].values.push_back(values[a] * (1 - t) + values[b] * t);

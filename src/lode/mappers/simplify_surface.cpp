@@ -358,6 +358,7 @@ void SimplifyReport::join(const SimplifyReport& other) {
   components_dropped += other.components_dropped;
   triangles_dropped += other.triangles_dropped;
   input_crossings += other.input_crossings;
+  by_pieces = by_pieces || other.by_pieces;
   seconds.collapse += other.seconds.collapse;
   seconds.check += other.seconds.check;
   seconds.finish += other.seconds.finish;

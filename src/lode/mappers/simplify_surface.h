@@ -60,6 +60,7 @@ struct SimplifyReport {
   std::uint64_t components_dropped = 0;  ///< In the band, before: drop_components_in_band().
   std::uint64_t triangles_dropped = 0;   ///< Theirs.
   std::uint64_t input_crossings = 0;     ///< Pairs of triangles that met before, and still do.
+  bool by_pieces = false;  ///< One after the other: seams between them keep more triangles.
   SimplifySeconds seconds;
 
   /// Of both surfaces, or pieces of one, together.

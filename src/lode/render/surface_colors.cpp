@@ -12,9 +12,9 @@ constexpr Color kDefaultLine{38, 70, 110};
 constexpr std::size_t kMaxLevels = 64;
 
 // The distinct finite isovalues, ascending; cut short just past kMaxLevels.
-std::vector<float> levels_of(const Surface& surface) {
-  std::vector<float> levels;
-  for (const float value : surface.isovalues) {
+std::vector<double> levels_of(const Surface& surface) {
+  std::vector<double> levels;
+  for (const double value : surface.isovalues) {
     if (!std::isfinite(value)) continue;
     const auto place = std::lower_bound(levels.begin(), levels.end(), value);
     if (place != levels.end() && *place == value) continue;
@@ -36,7 +36,7 @@ std::vector<Vec3f> palette_of(const Surface& surface, std::size_t n_levels) {
   return palette;
 }
 
-std::vector<Vec3f> paint_levels(const Surface& surface, const std::vector<float>& levels,
+std::vector<Vec3f> paint_levels(const Surface& surface, const std::vector<double>& levels,
                                 Threads threads) {
   const std::vector<Vec3f> palette = palette_of(surface, levels.size());
   std::vector<Vec3f> colors(surface.isovalues.size());
@@ -51,14 +51,14 @@ std::vector<Vec3f> paint_levels(const Surface& surface, const std::vector<float>
 std::vector<Vec3f> paint_range(const Surface& surface, Threads threads) {
   double lower = 1e300;
   double upper = -1e300;
-  for (const float value : surface.isovalues) {
+  for (const double value : surface.isovalues) {
     if (!std::isfinite(value)) continue;
-    lower = std::min(lower, double{value});
-    upper = std::max(upper, double{value});
+    lower = std::min(lower, value);
+    upper = std::max(upper, value);
   }
   std::vector<Vec3f> colors(surface.isovalues.size());
   parallel_for(colors.size(), threads, 1 << 16, [&](std::size_t i, int) {
-    const double value = double{surface.isovalues[i]};
+    const double value = surface.isovalues[i];
     const double fraction = std::isfinite(value) ? (value - lower) / (upper - lower) : 0.0;
     colors[i] = to_linear(sequential_color(fraction));
   });
@@ -87,7 +87,7 @@ SurfaceColors color_surface(const Surface& surface, const std::optional<Color>& 
                        .per_vertex = {}};
   if (color) colors.uniform = to_linear(*color);
   if (color || surface.isovalues.size() != surface.positions.size()) return colors;
-  const std::vector<float> levels = levels_of(surface);
+  const std::vector<double> levels = levels_of(surface);
   if (levels.size() <= 1) return colors;
   colors.per_vertex = levels.size() <= kMaxLevels ? paint_levels(surface, levels, threads)
                                                   : paint_range(surface, threads);

@@ -1,5 +1,6 @@
 #include "lode/models/diamond/boundary_check.h"
 
+#include <algorithm>
 #include <span>
 
 #include "lode/mappers/surface_topology.h"
@@ -26,6 +27,20 @@ bool is_on_holes(const FieldSamples& samples, const SurfaceCoordinates& coordina
   return is_on;
 }
 
+bool is_in_boxes(const Surface& surface, const std::array<std::uint32_t, 2>& edge,
+                 std::span<const Box3d> boxes) {
+  const auto holds = [&](const Box3d& box) {
+    bool is_in = true;
+    for (const std::uint32_t vertex : edge) {
+      const Vec3d p = surface.world_position(vertex);
+      for (std::size_t i = 0; i < 3; ++i)
+        is_in = is_in && box.lower[i] <= p[i] && p[i] <= box.upper[i];
+    }
+    return is_in;
+  };
+  return boxes.empty() || std::ranges::any_of(boxes, holds);
+}
+
 }  // namespace
 
 Result<BoundaryReport> check_boundary(const FieldSamples& samples, const Surface& surface,
@@ -34,6 +49,7 @@ Result<BoundaryReport> check_boundary(const FieldSamples& samples, const Surface
   const auto edges = find_boundary_edges(surface, options.threads);
   BoundaryReport report;
   for (const auto& edge : edges) {
+    if (!is_in_boxes(surface, edge, options.boxes)) continue;
     if (report.n_edges++ % kEdgesPerReport == 0)
       progress.report("boundary",
                       static_cast<double>(report.n_edges) / static_cast<double>(edges.size()));

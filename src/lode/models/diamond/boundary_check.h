@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
@@ -15,6 +16,8 @@ namespace lode::diamond {
 
 struct BoundaryOptions {
   std::optional<Box3d> clip = {};  ///< World planes the surface may end in.
+  /// World units; where there are some, only edges that are wholly in one of them are looked at.
+  std::span<const Box3d> boxes = {};
   Threads threads = {};
 };
 

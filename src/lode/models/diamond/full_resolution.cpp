@@ -135,7 +135,7 @@ class FullResolution {
     if (!query_.with_isovalues) return;
     const std::uint64_t first = bases_[as_size(begin)].vertices;
     fill_by_copies(surface_.isovalues.data() + first, bases_[as_size(end)].vertices - first,
-                   static_cast<float>(query_.isovalue));
+                   query_.isovalue);
   }
 
   /// The steps run together: each has its share of the time.

@@ -46,11 +46,12 @@ void merge(LevelSetReport& report, const LevelSetReport& other) {
   merge(report.ambiguous_isovalue, other.ambiguous_isovalue);
 }
 
-/// The isovalue a vertex belongs to: the one nearest to its attribute, which float32 rounded.
+/// The isovalue a vertex belongs to: the one nearest to its attribute, which a file may have
+/// rounded.
 double isovalue_of(const Surface& surface, const std::vector<double>& isovalues,
                    std::uint32_t vertex) {
   if (isovalues.size() == 1 || surface.isovalues.size() <= vertex) return isovalues.front();
-  const double attribute = static_cast<double>(surface.isovalues[vertex]);
+  const double attribute = surface.isovalues[vertex];
   return *std::min_element(isovalues.begin(), isovalues.end(), [&](double a, double b) {
     return std::abs(a - attribute) < std::abs(b - attribute);
   });
