@@ -49,6 +49,7 @@ constexpr const char* kSkipped = "arrays left out (texts, bits, or as told)";
 constexpr const char* kNonfinite = "values that are not finite";
 constexpr const char* kAveraged = "cells to points";
 constexpr const char* kLinearised = "nodes to corners";
+constexpr const char* kMagnitude = "magnitude";
 constexpr std::size_t kMostRegions = 10;  // that rows are worth
 constexpr std::size_t kMostRegionsTold = 1000;
 
@@ -152,6 +153,9 @@ std::vector<TetraBuildRecord::Note> notes_of_fields(const TetraReport& report) {
   add_averaged_notes(report, notes);
   for (const LinearisedField& field : report.linearised)
     notes.emplace_back(kLinearised, row_of(field));
+  for (const MagnitudeField& field : report.magnitudes)
+    notes.emplace_back(kMagnitude,
+                       fmt::format("{}: of {} components", field.name, field.n_components));
   return notes;
 }
 

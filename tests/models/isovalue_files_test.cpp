@@ -189,6 +189,16 @@ TEST(isovalue_files, take_isovalues_that_float32_does_not_tell_apart) {
     std::filesystem::remove(written);
   }
   EXPECT_EQ(n, report->triangles);
+  // One is a file of its own, too.
+  const std::vector<std::string> one{lode + "-one.stl"};
+  for (const std::uint64_t limit : {std::uint64_t{0}, std::uint64_t{2'000'000}}) {
+    const auto alone =
+        extract_to_files(*dataset, {.isovalues = {120}, .max_error = 2.0, .memory_limit = limit},
+                         one, no_note, progress);
+    ASSERT_TRUE(alone) << alone.error().message;
+    EXPECT_EQ(read_surface(one[0]).value().triangles.size(), alone->triangles);
+  }
+  std::filesystem::remove(one[0]);
   EXPECT_TRUE(check_isovalues_of(paths[0], options.isovalues));
   EXPECT_TRUE(check_isovalues_of("a.ply", options.isovalues));
   EXPECT_FALSE(check_isovalues_of("a.glb", options.isovalues));

@@ -74,6 +74,7 @@ using io::is_polygon_path;
 using io::is_volume_path;
 using io::LinearisedField;
 using io::Magnitude;
+using io::MagnitudeField;
 using io::MeshReadOptions;
 using io::MeshWriteOptions;
 using io::Network;

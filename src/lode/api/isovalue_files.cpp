@@ -31,8 +31,11 @@ class IsovalueSplitter final : public SurfaceSink {
 
   [[nodiscard]] Result<void> add(SurfacePiece piece) override {
     if (piece.surface.positions.empty()) return {};
-    const double isovalue = piece.surface.isovalues.front();
-    const auto part = std::ranges::find(parts_, isovalue, &Part::isovalue);
+    // Of one isovalue vertices have none.
+    const auto part =
+        piece.surface.isovalues.empty()
+            ? parts_.begin()
+            : std::ranges::find(parts_, piece.surface.isovalues.front(), &Part::isovalue);
     LODE_EXPECTS(part != parts_.end());
     if (part->n == 0) part->first = piece.first_new;
     part->n += static_cast<std::uint32_t>(piece.n_new());
@@ -75,6 +78,7 @@ void add_cells_at(const std::vector<Cell>& from, const std::vector<std::uint32_t
 
 /// An isovalue's vertices and cells, in the order that they have.
 Surface part_at(const Surface& all, double isovalue) {
+  if (all.isovalues.empty()) return all;
   Surface part;
   part.origin = all.origin;
   std::vector<std::uint32_t> numbers(all.positions.size(), UINT32_MAX);
@@ -84,7 +88,6 @@ Surface part_at(const Surface& all, double isovalue) {
     part.positions.push_back(all.positions[v]);
     if (!all.normals.empty()) part.normals.push_back(all.normals[v]);
   }
-  part.isovalues.assign(part.positions.size(), isovalue);
   add_cells_at(all.triangles, numbers, part.triangles);
   add_cells_at(all.lines, numbers, part.lines);
   return part;

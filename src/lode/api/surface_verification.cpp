@@ -17,6 +17,7 @@
 #include "lode/api/verification.h"
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_checks.h"
+#include "lode/mappers/surface_near.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/boundary_check.h"
 #include "lode/models/diamond/critical_nodes.h"
@@ -305,21 +306,29 @@ Result<void> add_far_sides(const Model<D>& model, const Surface& surface,
                            const ExpectedSurface& expected, const ExtractOptions& options,
                            Progress& progress, VerifyReport& report) {
   if (options.isovalues.size() > 1 || options.min_component > 1 || options.clip) return {};
-  const double distance = options.simplify_distance.value_or(0) + expected.max_distance;
-  const Mat3 to_index = cofactors(model.info.grid.index_to_world_matrix());
-  const double size = std::abs(determinant(model.info.grid.index_to_world_matrix()));
+  const RegularGrid& grid = model.info.grid;
+  const Surface& before = expected.max_distance > 0 && expected.full_resolution != nullptr
+                              ? *expected.full_resolution
+                              : expected.surface;
+  const double distance =
+      (options.simplify_distance.value_or(0) + expected.max_distance) * (1 + 1e-9) +
+      file_rounding(surface, before);
+  const Mat3 to_index = cofactors(grid.index_to_world_matrix());
+  const double size = std::abs(determinant(grid.index_to_world_matrix()));
   Index3 reach;
   for (std::size_t i = 0; i < 3; ++i) {
     // A step along the axis is at least so long across the others.
     const double steps = distance * length(to_index.column(i)) / size;
-    reach[i] = static_cast<std::int32_t>(std::min(std::ceil(steps * (1 + 1e-9)), 1e6));
+    reach[i] = static_cast<std::int32_t>(std::min(std::ceil(steps), 1e6));
   }
   const double tolerance = std::isfinite(expected.tolerance) ? expected.tolerance : 0;
   const double persistence = leaves_out_weak(options) ? *options.keep_topology : 0;
+  const SurfaceNear near(before, distance);
   return add_sides(model, surface,
                    {.isovalue = options.isovalues.front(),
                     .error = std::max(tolerance, persistence),
                     .reach = reach,
+                    .is_far = [&](const Vec3d& p) { return !near.is_within(p); },
                     .seen_from = seen_from(options),
                     .has_holes = model.has_holes(),
                     .threads = options.threads},

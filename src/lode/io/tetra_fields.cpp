@@ -334,6 +334,8 @@ Result<ChosenFields> choose_fields(const CellMesh& mesh, const TetraOptions& opt
   if (options.has_all && !options.fields.empty()) LODE_CHECK(add_others(mesh, options, choices));
   ChosenFields chosen;
   for (const FieldChoice& choice : choices) {
+    if (!choice.component && !choice.is_mises && choice.field->n_components > 1)
+      chosen.magnitudes.push_back({choice.name, choice.field->n_components});
     chosen.fields.push_back(chosen_field(choice));
     chosen.is_of_cells.push_back(choice.is_of_cells ? 1 : 0);
   }

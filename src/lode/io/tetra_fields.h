@@ -17,6 +17,7 @@ struct ChosenFields {
   std::vector<MeshField> fields;
   std::vector<std::uint8_t>
       is_of_cells;  ///< By field: whether its values are still those of cells.
+  std::vector<MagnitudeField> magnitudes;
 };
 
 /// Fails on a name that the mesh lacks, on components that a field lacks, and on a name twice.

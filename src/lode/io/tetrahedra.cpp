@@ -260,6 +260,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   report.n_reordered = order_middles(mesh);
   LODE_CHECK(check_types(mesh, report));
   LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
+  report.magnitudes = chosen.magnitudes;
   if (!is_node.empty()) find_lost_peaks(chosen, is_node, used_points(mesh), report);
   if (!options.region_field) report.regions_not_taken = find_regions_not_taken(mesh, regions);
   const std::size_t n_given = mesh.points.size();

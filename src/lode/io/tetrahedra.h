@@ -81,6 +81,12 @@ struct NonfiniteField {
 };
 
 /// What a mesh of cells had, and what became of it.
+/// A field that is the magnitude of one of several components, as none of them was named.
+struct MagnitudeField {
+  std::string name;
+  int n_components = 0;
+};
+
 struct TetraReport {
   std::uint64_t n_cells = 0;        ///< Three-dimensional ones.
   std::uint64_t n_lower_cells = 0;  ///< Left out: points, lines, and faces of no patch.
@@ -112,6 +118,7 @@ struct TetraReport {
   std::vector<std::string> regions_not_taken;  ///< Fields named as such, and why they are none.
   std::vector<AveragedField> averaged;         ///< Fields of cells that became fields of points.
   std::vector<LinearisedField> linearised;     ///< Fields of points that lost peaks.
+  std::vector<MagnitudeField> magnitudes;      ///< Of which all components together were taken.
 };
 
 struct TetrahedraOutcome {

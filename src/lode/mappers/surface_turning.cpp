@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "lode/mappers/facet_grid.h"
+#include "lode/mappers/surface_near.h"
 #include "lode/mappers/surface_topology.h"
 
 namespace lode {
@@ -55,7 +55,11 @@ std::vector<std::uint8_t> find_open(const Surface& surface, const std::vector<st
 class TurningCheck {
  public:
   TurningCheck(const Surface& surface, const Surface& other, double reach)
-      : surface_(surface), other_(other), facets_(facets()), grid_(facets_, reach), reach_(reach) {}
+      : surface_(surface),
+        other_(other),
+        facets_(facets_of(other)),
+        grid_(facets_, reach),
+        reach_(reach) {}
 
   /// By triangle, twice its area, less than 0 where the nearest one faces the other way.
   [[nodiscard]] std::vector<double> votes(Threads threads, const Progress& progress) const {
@@ -72,13 +76,6 @@ class TurningCheck {
   }
 
  private:
-  [[nodiscard]] std::vector<Facet> facets() const {
-    std::vector<Facet> facets(other_.triangles.size());
-    for (std::size_t t = 0; t < facets.size(); ++t)
-      for (std::size_t i = 0; i < 3; ++i)
-        facets[t].corner[i] = other_.positions[other_.triangles[t][i]];
-    return facets;
-  }
   [[nodiscard]] std::uint32_t nearest(const Vec3d& p) const {
     for (double limit = reach_;; limit *= 4) {
       const auto found = grid_.find(p, {.limit = limit});

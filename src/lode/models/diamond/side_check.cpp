@@ -147,7 +147,14 @@ class KnownSides {
         sides_[index_of(p)] = side_of(p);
       }
     });
+    const std::vector<Side> own = sides_;
     for (std::size_t axis = 0; axis < 3; ++axis) shrink(axis);
+    if (!options.is_far) return;
+    parallel_for(n_rows, options.threads, 16, [&](std::size_t row, int) {
+      for (std::size_t at = row * as_size(dims_[0]); at < (row + 1) * as_size(dims_[0]); ++at)
+        if (sides_[at] == unknown && own[at] != unknown && options.is_far(place_of(at)))
+          sides_[at] = own[at];
+    });
   }
 
   [[nodiscard]] Side at(const Index3& p) const {
@@ -156,6 +163,10 @@ class KnownSides {
 
  private:
   [[nodiscard]] std::size_t index_of(const Index3& p) const { return linear_index<3>(dims_, p); }
+  [[nodiscard]] Vec3d place_of(std::size_t at) const {
+    const Index3 p = point_of<3>(dims_, at);
+    return samples_.grid().to_world({{1.0 * p[0], 1.0 * p[1], 1.0 * p[2]}});
+  }
   [[nodiscard]] Side side_of(const Index3& p) const {
     const double more = samples_.sample(p) - options_.isovalue;
     if (!(std::abs(more) > options_.error)) return unknown;

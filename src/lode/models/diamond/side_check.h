@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "lode/core/box.h"
@@ -19,7 +20,9 @@ enum class SeenFrom : std::uint8_t { lower_values, higher_values, either };
 struct SideOptions {
   double isovalue = 0;
   double error = 0;  ///< Samples farther than this from the isovalue are asked about,
-  Index3 reach{};    ///< and all others up to so many steps away along each axis alike.
+  Index3 reach{};    ///< and all others up to so many steps away along each axis alike;
+  /// or, of their places in the world, it says so. Safe from many threads.
+  std::function<bool(const Vec3d&)> is_far{};
   SeenFrom seen_from = SeenFrom::lower_values;  ///< either: all of it one way.
   bool has_holes = true;                        ///< Whether cells may be removed.
   std::span<const Box3d> boxes = {};  ///< Where there are some: only pairs in one of them.
