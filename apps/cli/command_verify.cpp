@@ -76,7 +76,10 @@ Result<void> check_bound(const VerifyArguments& arguments, const CLI::App& app) 
        {"--max-error", "--style", "--style-distance", "--keep-topology", "--clip", "--close-border",
         "--min-component", "--flip", "--normals", "--simplify", "--max-distance", "--memory-limit"})
     if (app.get_option(name)->count() > 0)
-      return fail("--error-bound: expected nothing else of how the surface was made, got {}", name);
+      return fail(
+          "--error-bound: expected nothing else of how the surface was made, got {}{}", name,
+          std::string_view(name) == "--clip" ? ": a --box a little smaller holds what was cropped"
+                                             : "");
   LODE_CHECK(parse_tolerance("--error-bound", arguments.error_bound));
   LODE_CHECK(parse_boxes(arguments.boxes));
   return {};

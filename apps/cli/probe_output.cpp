@@ -182,9 +182,10 @@ void warn_of_answer(Session& session, const ProbeAnswer& answer, bool has_holes)
 
 void add_probe_rows(const ProbeAnswer& answer, Table& table) {
   const std::string suffix = std::string(" ") + name_of(answer.report.error_place);
-  table.add({"max error", answer.report.max_error == 0 ? std::string("0: full resolution")
-                                                       : format_number(answer.report.max_error)});
-  if (answer.report.max_error > 0)
+  const bool is_full = answer.report.max_error == 0 && answer.report.achieved_error == 0;
+  table.add({"max error",
+             is_full ? std::string("0: full resolution") : format_number(answer.report.max_error)});
+  if (answer.report.max_error > 0 || answer.report.achieved_error > 0)
     table.add({"achieved error", format_number(answer.report.achieved_error) + suffix});
   for (std::size_t f = 0; f < answer.with.size(); ++f) {
     const ProbedField& more = answer.report.along[f];

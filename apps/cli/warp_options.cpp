@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "lode/api/warp.h"
@@ -23,9 +24,14 @@ Result<double> scale_of(const WarpArguments& arguments) {
 /// The vector's components as they are asked for: three names, or NAME, which may end in :xyz.
 Result<std::vector<std::string>> components_of(const WarpArguments& arguments) {
   const std::string& text = arguments.field;
-  if (text.find(',') == std::string::npos)
+  if (text.find(',') == std::string::npos) {
+    const bool is_scalar = text.size() > 2 && text[text.size() - 2] == ':' &&
+                           std::string_view("xyz012").find(text.back()) != std::string_view::npos;
+    if (is_scalar)
+      return fail("--warp: expected a vector, or three scalars as X,Y,Z, got '{}'", text);
     return std::vector<std::string>{text.ends_with(kVectorEnd) ? text
                                                                : text + std::string(kVectorEnd)};
+  }
   std::vector<std::string> names;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());
@@ -133,7 +139,8 @@ Result<std::optional<Warped>> apply_warp(const WarpArguments& arguments, const T
   Warped warped{arguments.field, scale, vector.error};
   warped.n_inverted = warp(mesh, vector.values, scale, threads);
   for (const Vec3d& p : mesh.positions)
-    if (!std::isfinite(p[0] + p[1] + p[2])) return too_far(arguments, "float64");
+    if (!std::ranges::all_of(p.v, [](double x) { return std::isfinite(x); }))
+      return too_far(arguments, "float64");
   drop_hidden(input, mesh.attributes);
   return std::optional(std::move(warped));
 }

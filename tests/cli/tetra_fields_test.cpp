@@ -396,6 +396,7 @@ TEST_F(cli_tetra_fields, deform_surfaces_of_a_component_of_the_vector_itself) {
   done({"extract", model, out_, "--mesh", "--warp", "shift:xyz", "--field", "shift:y"});
   done({"extract", model, out_, "--mesh", "--warp", "noise,shift:x,shift:1", "--field", "shift:2"});
   refused({"extract", model, out_, "--mesh", "--warp", "noise,shift:x"}, "three scalars");
+  refused({"extract", model, out_, "--mesh", "--warp", "shift:x"}, "got 'shift:x'");
   refused({"extract", model, out_, "--mesh", "--warp", "shift", "--view", "camera.json"}, "--view");
   refused({"extract", model, surface, "--boundary", "--warp", "shift", "--scale", "1e300"},
           "float32");

@@ -123,6 +123,19 @@ TEST_F(damaged_surfaces, that_are_not_pass) {
     EXPECT_EQ(failed(extracted(one.options), one.options), "") << one.name;
 }
 
+/// Rims at holes go along planes of samples, and may cut their corners.
+TEST_F(damaged_surfaces, that_are_not_pass_round_holes) {
+  const Volume whole = waves();
+  const RegularGrid& grid = whole.info.grid;
+  dataset_ = test::built_dataset(oracles::volume_of<float>(grid, [&](const Index3& p) {
+    const bool is_hole = std::hypot(p[0] - 14.0, p[1] - 12.5, p[2] - 11.2) < 6;
+    const auto at = static_cast<std::size_t>((p[2] * grid.dims[1] + p[1]) * grid.dims[0] + p[0]);
+    return is_hole ? std::nan("") : static_cast<double>(whole.as<float>()[at]);
+  }));
+  for (const Way& one : ways())
+    EXPECT_EQ(failed(extracted(one.options), one.options), "") << one.name;
+}
+
 TEST_F(damaged_surfaces, end_where_a_triangle_is_torn_from_their_rims) {
   for (const Way& one : ways()) {
     SCOPED_TRACE(one.name);

@@ -217,6 +217,20 @@ TEST(many_isosurfaces, may_be_nearer_than_float32_tells_apart) {
   }
 }
 
+/// As glTF does.
+TEST(many_isosurfaces, that_a_file_has_rounded_are_verified_all_the_same) {
+  const Dataset dataset = test::built_dataset(test::rough_volume<float>({{23, 19, 21}}, 0));
+  const ExtractOptions options{.isovalues = {90.3, 110.7}, .max_distance = 0.8, .threads = {2}};
+  Surface surface = extracted(dataset, options).surface;
+  for (double& value : surface.isovalues) value = static_cast<double>(static_cast<float>(value));
+  EXPECT_NE(surface.isovalues.front(), 90.3);
+  Progress progress;
+  const auto report = dataset.verify_surface(surface, options, progress);
+  ASSERT_TRUE(report);
+  for (const auto& check : report->checks)
+    EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+}
+
 TEST(many_isosurfaces, of_data_without_a_surface_are_empty) {
   for (const Volume& volume : {oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3),
                                oracles::constant({{9, 9, 9}}, ScalarType::float32,

@@ -327,6 +327,27 @@ TEST(volume_integral, at_a_tolerance_has_bounds_of_the_exact_one) {
   EXPECT_GT(n_coarse, 3U);
 }
 
+/// Of which a coarse cut could leave cells out.
+TEST(volume_integral, at_a_tolerance_misses_nothing_round_holes) {
+  const RegularGrid grid = plain_grid({{65, 61, 57}});
+  const Dataset dataset = built_dataset(oracles::volume_of<float>(grid, [](const Index3& p) {
+    return std::hypot(p[0] - 30.5, p[1] - 28.0, p[2] - 26.2) < 8 ? std::nan("") : 0.02 * p[0] + 1;
+  }));
+  for (const std::optional<Box3d>& box :
+       {std::optional<Box3d>{}, std::optional<Box3d>{Box3d{{{20, 20, 20}}, {{45, 40, 41}}}},
+        std::optional<Box3d>{Box3d{{{20, 5, 30}}, {{21, 5.5, 31}}}}}) {
+    const IntegralReport exact = integral_of(dataset, {.box = box});
+    ASSERT_FALSE(exact.is_empty);
+    for (const double tolerance : {0.1, 0.5, 5.0}) {
+      const IntegralReport report = integral_of(dataset, {.box = box, .max_error = tolerance});
+      ASSERT_FALSE(report.is_empty);
+      expect_holds(report.volume, exact.volume.value, 1e-9 * exact.volume.value);
+      expect_holds(report.integral, exact.integral.value, 1e-9 * exact.volume.value);
+      expect_holds(report.minimum, exact.minimum.value, 1e-9);
+    }
+  }
+}
+
 TEST(volume_integral, is_the_same_for_any_threads_and_from_files) {
   const store::TestPath path("probed.lode");
   const Volume volume = noisy_volume(awkward_grid({{70, 140, 66}}), 11);

@@ -208,6 +208,11 @@ TEST_P(tetra_attachment, takes_no_other_mesh) {
   EXPECT_NE(refusal({other, {}, "other.vtu"}).find("in region 8, got it in region 9"),
             std::string::npos);
   other = with_cosine(mesh_, 5);
+  other.region_ids = {3};
+  other.regions.clear();
+  EXPECT_NE(refusal({other, {}, "one.vtu"}).find("in region 8, got it in region 3"),
+            std::string::npos);
+  other = with_cosine(mesh_, 5);
   other.fields[0].values[3] = std::nan("");
   EXPECT_NE(refusal({other, {}, "nan.vtu"}).find("expected finite values"), std::string::npos);
   EXPECT_NE(refusal({mesh_, {}, "same.vtu"}).find("expected a field that the model has not got"),

@@ -199,9 +199,31 @@ Result<VerifyReport> Dataset::verify_bound(const Surface& surface, const BoundOp
   return out_of_memory("check the surface");
 }
 
+namespace {
+
+/// With each isovalue of a vertex the nearest of those that were asked for: a file may have rounded
+/// it.
+Surface with_isovalues_of(const Surface& surface, const std::vector<double>& isovalues) {
+  Surface made = surface;
+  for (double& value : made.isovalues)
+    value = *std::ranges::min_element(isovalues, {},
+                                      [&](double isovalue) { return std::abs(isovalue - value); });
+  return made;
+}
+
+bool has_rounded_isovalues(const Surface& surface, const std::vector<double>& isovalues) {
+  return isovalues.size() > 1 && std::ranges::any_of(surface.isovalues, [&](double value) {
+           return std::ranges::find(isovalues, value) == isovalues.end();
+         });
+}
+
+}  // namespace
+
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
                                              Progress& progress) const try {
   LODE_CHECK(check_extraction(*impl_, options));
+  if (has_rounded_isovalues(surface, options.isovalues))
+    return verify_surface(with_isovalues_of(surface, options.isovalues), options, progress);
   const double tolerance = tolerance_of(impl_->summary().stats, options);
   ExtractOptions again = before_simplification(options, tolerance);
   again.normals = Normals::off;

@@ -305,7 +305,17 @@ template <int D>
 Result<void> add_far_sides(const Model<D>& model, const Surface& surface,
                            const ExpectedSurface& expected, const ExtractOptions& options,
                            Progress& progress, VerifyReport& report) {
-  if (options.isovalues.size() > 1 || options.min_component > 1 || options.clip) return {};
+  constexpr const char* kName = "samples beyond the distance on their sides";
+  const char* const why = options.isovalues.size() > 1 ? "not looked at of several isovalues"
+                          : options.min_component > 1
+                              ? "not looked at where small pieces are left out"
+                          : options.clip      ? "not looked at where it is cropped"
+                          : model.has_holes() ? "not looked at with holes, whose rims may move"
+                                              : nullptr;
+  if (why != nullptr) {
+    report.skip(kName, why);
+    return {};
+  }
   const RegularGrid& grid = model.info.grid;
   const Surface& before = expected.max_distance > 0 && expected.full_resolution != nullptr
                               ? *expected.full_resolution
@@ -409,7 +419,9 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   LODE_CHECK(add_crossings(surface, options, progress, report));
   if (options.simplify != Simplify::off) {  // no level set any more, but near one
     LODE_CHECK(add_simplified(model, surface, expected, options, progress, report));
-    LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
+    diamond::BoundaryOptions planes = ends;
+    planes.goes_along_planes = model.has_holes();
+    LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, planes, progress));
     add_boundary(surface, boundary, is_closed, report);
     return note_cubes(model, surface, expected, options, progress, std::move(report));
   }

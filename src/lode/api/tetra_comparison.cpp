@@ -82,7 +82,7 @@ std::vector<tetra_mt::RegionCell> ranked_regions(std::span<const Tetrahedron> ce
     Tetrahedron t = cells[i];
     for (std::uint32_t& v : t) v = ranks[v];
     std::ranges::sort(t);
-    result.emplace_back(t, ids[regions[i]]);
+    result.emplace_back(t, ids[ids.size() < 2 ? 0 : regions[i]]);
   }
   std::ranges::sort(result);
   return result;
@@ -138,7 +138,7 @@ Result<VerifyReport> compare_with_original(const TetraCutSource& source, const T
                  difference_text(n_cells, our_cells.size(), their_cells.size()));
     std::vector<std::int64_t> ids;
     for (const MeshRegion& region : source.info().regions) ids.push_back(region.id);
-    if (i > 0 || ids.size() < 2 || original.region_ids.size() < 2) continue;
+    if (i > 0 || ids.empty() || original.region_ids.empty()) continue;
     const auto our_regions =
         ranked_regions(cells, all.cells.regions, ids, ranks_of(ours, our_vertices));
     const auto their_regions = ranked_regions(original.tetrahedra, original.regions,

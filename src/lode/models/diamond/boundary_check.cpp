@@ -1,6 +1,7 @@
 #include "lode/models/diamond/boundary_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "lode/mappers/surface_topology.h"
@@ -25,6 +26,19 @@ bool is_on_holes(const FieldSamples& samples, const SurfaceCoordinates& coordina
   };
   visit_cells(coordinates.piece_of(ends), samples.grid().dims, visit);
   return is_on;
+}
+
+/// All of them in one plane of samples across an axis, within rounding.
+bool are_in_lattice_plane(const SurfaceCoordinates& coordinates,
+                          std::span<const std::uint32_t> ends) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double plane = std::round(coordinates[ends.front()][axis]);
+    if (std::ranges::all_of(ends, [&](std::uint32_t vertex) {
+          return std::abs(coordinates[vertex][axis] - plane) <= coordinates.rounding()[axis];
+        }))
+      return true;
+  }
+  return false;
 }
 
 bool is_in_boxes(const Surface& surface, const std::array<std::uint32_t, 2>& edge,
@@ -59,7 +73,8 @@ Result<BoundaryReport> check_boundary(const FieldSamples& samples, const Surface
       ++report.n_on_border;
     } else if (coordinates.are_on_clip(ends)) {
       ++report.n_on_clip;
-    } else if (is_on_holes(samples, coordinates, ends)) {
+    } else if (is_on_holes(samples, coordinates, ends) ||
+               (options.goes_along_planes && are_in_lattice_plane(coordinates, ends))) {
       ++report.n_on_holes;
     } else if (report.n_stray++ == 0) {
       report.first_stray = edge;

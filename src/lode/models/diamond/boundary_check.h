@@ -18,6 +18,9 @@ struct BoundaryOptions {
   std::optional<Box3d> clip = {};  ///< World planes the surface may end in.
   /// World units; where there are some, only edges that are wholly in one of them are looked at.
   std::span<const Box3d> boxes = {};
+  /// Of a simplified surface, which goes along the planes that it ends in: any plane of the lattice
+  /// where there are holes.
+  bool goes_along_planes = false;
   Threads threads = {};
 };
 

@@ -327,7 +327,7 @@ std::vector<RegionCell> region_cells(const TetraCut& cut,
                                      std::span<const std::uint32_t> mesh_vertices) {
   std::vector<RegionCell> cells;
   const std::vector<std::int64_t>& ids = cut.head().region_ids;
-  if (ids.size() < 2) return cells;
+  if (ids.empty()) return cells;
   const auto slots = cut.slots();
   for (std::uint32_t slot = 0; slot < slots.size(); ++slot) {
     if (!cut.is_inside(slots[slot])) continue;

@@ -6,10 +6,11 @@ namespace lode::tetra_mt {
 
 std::vector<RegionCell> region_cells(const TetraMesh& mesh) {
   std::vector<RegionCell> cells;
-  if (mesh.region_ids.size() < 2) return cells;
+  if (mesh.region_ids.empty()) return cells;
   cells.reserve(mesh.tetrahedra.size());
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
-    cells.emplace_back(mesh.tetrahedra[i], mesh.region_ids[mesh.regions[i]]);
+    cells.emplace_back(mesh.tetrahedra[i],
+                       mesh.region_ids[mesh.regions.empty() ? 0 : mesh.regions[i]]);
   return cells;
 }
 

@@ -13,7 +13,7 @@ namespace lode::tetra_mt {
 /// The corners of a tetrahedron, ascending, and its region as the file numbers it.
 using RegionCell = std::pair<Tetrahedron, std::int64_t>;
 
-/// Of a mesh that has several regions; else of nothing.
+/// Of a mesh that has regions; else of nothing.
 [[nodiscard]] std::vector<RegionCell> region_cells(const TetraMesh& mesh);
 
 /// Fails where cells that both have are in different regions. Nothing is said where one has none.

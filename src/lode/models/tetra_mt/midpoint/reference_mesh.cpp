@@ -71,9 +71,10 @@ Result<void> split_all(const Forest& forest, MidpointCut& cut, Progress& progres
 std::vector<RegionCell> region_cells(const MidpointCut& cut,
                                      std::span<const std::int64_t> region_ids) {
   std::vector<RegionCell> cells;
-  if (region_ids.size() < 2) return cells;
+  if (region_ids.empty()) return cells;
+  const bool is_one = region_ids.size() == 1;
   for (const MidpointCut::Cell& cell : cut.slots())
-    if (cut.is_inside(cell)) cells.emplace_back(cell.corners, region_ids[cell.region]);
+    if (cut.is_inside(cell)) cells.emplace_back(cell.corners, region_ids[is_one ? 0 : cell.region]);
   return cells;
 }
 

@@ -23,10 +23,9 @@ class ReferenceMesh {
                                                 Progress& progress);
 
   /// By leaf the mesh's vertex. Fails where a mesh is another: expects the same positions, bit for
-  /// bit, the same cells, turned alike, in the same regions where it
-  /// has any, and codes in the mesh's steps, so that collapses of the
-  /// mesh make the forest's nodes. Positions and cells may come in another order, but for vertices
-  /// at one place among themselves.
+  /// bit, the same cells, turned alike, in the same regions where it has any, and codes in the
+  /// mesh's steps, so that collapses of the mesh make the forest's nodes. Positions and cells may
+  /// come in another order, but for vertices at one place among themselves.
   [[nodiscard]] Result<std::vector<std::uint32_t>> match(const TetraMesh& mesh) const;
 
  private:
@@ -36,7 +35,7 @@ class ReferenceMesh {
   std::vector<Vec3d> positions_;       ///< By leaf.
   std::vector<std::uint32_t> leaves_;  ///< by_place(), those at one place as the mesh has them.
   std::vector<Tetrahedron> cells_;     ///< Of leaves: turned() and sorted.
-  std::vector<RegionCell> regions_;    ///< Of leaves, where there are several.
+  std::vector<RegionCell> regions_;    ///< Of leaves, where there are any.
 };
 
 }  // namespace lode::tetra_mt::midpoint
