@@ -309,7 +309,7 @@ class BoxSums {
   template <typename T>
   void add_cut_cell(const SampleRows<T>& rows, const Index<3>& cell, PartialIntegral& to) const {
     const auto value_at = [&](const Index<3>& p) {
-      const auto row = static_cast<std::size_t>(p[1] - cell[1] + 2 * (p[2] - cell[2]));
+      const std::size_t row = (p[1] > cell[1] ? 1U : 0U) + (p[2] > cell[2] ? 2U : 0U);
       return static_cast<double>(rows.rows[row][p[0] - rows.first]);
     };
     for (std::int32_t k = 0; has_holes_ && k < 8; ++k)
