@@ -139,7 +139,8 @@ constexpr HelpFooter kProbeFooter{{{
      "  lode probe wing.lode --integral --box 0,1,0,1,0,2\n"
      "  lode probe wing.lode --integral --field Pressure --with Temp --with Velocity:xyz\n"
      "  lode probe wing.vtu --integral --region rotor --json\n"},
-    {"Terrain is not probed: lode height and lode profile show its heights.\n", ""},
+    {"Terrain is not probed: lode height and lode profile show its heights.\n",
+     "  lode height dem.tif --at 500010,4000020 --max-error 1\n"},
 }}};
 
 }  // namespace
