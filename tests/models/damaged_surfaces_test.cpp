@@ -98,19 +98,16 @@ class damaged_surfaces : public testing::Test {
   /// Names of the checks that fail.
   [[nodiscard]] std::string failed(const Surface& surface, const ExtractOptions& options) const {
     Progress progress;
-    const auto report = dataset_.verify_surface(surface, options, progress);
-    EXPECT_TRUE(report) << report.error().message;
-    return names_of(*report);
+    return failures_in(dataset_.verify_surface(surface, options, progress));
   }
   [[nodiscard]] std::string failed(const Surface& surface, const BoundOptions& options) const {
     Progress progress;
-    const auto report = dataset_.verify_bound(surface, options, progress);
-    EXPECT_TRUE(report) << report.error().message;
-    return names_of(*report);
+    return failures_in(dataset_.verify_bound(surface, options, progress));
   }
-  static std::string names_of(const VerifyReport& report) {
+  static std::string failures_in(const Result<VerifyReport>& report) {
+    EXPECT_TRUE(report) << report.error().message;
     std::string names;
-    for (const auto& check : report.checks)
+    for (const auto& check : report->checks)
       if (!check.passed) names += check.name + ": " + check.detail + "\n";
     return names;
   }

@@ -109,7 +109,7 @@ Result<void> check_probed(const Dataset::Impl& impl, const Options& options) {
 }
 
 /// Within the tolerance from cells of a cut, if these are so few that it is worth it: a cell of a
-/// cut takes the time of some 150 unit cells at full resolution, which are exact. Else none; nor
+/// cut takes the time of hundreds of unit cells at full resolution, which are exact. Else none; nor
 /// where there are holes, which take cells out of a limited cut of which only a part is removed.
 Result<std::optional<IntegralReport>> integrate_coarsely(const Dataset::Impl& impl,
                                                          const IntegralOptions& options,

@@ -28,7 +28,7 @@ struct Surface {
   Vec3d origin{{0, 0, 0}};
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;         ///< Unit length, per vertex; may be empty.
-  std::vector<double> isovalues;      ///< Per vertex; may be empty.
+  std::vector<double> isovalues;      ///< Per vertex, where there are several.
   std::vector<double> values;         ///< The field, per vertex; may be empty.
   std::vector<Attribute> attributes;  ///< Further fields.
   /// Per vertex where it is moved from by a refinement step, as positions; NaN where it has no such

@@ -46,7 +46,7 @@ class SurfaceBytes {
 /// A number as a count or an index; nothing unless it is whole and fits.
 [[nodiscard]] std::optional<std::uint32_t> to_index(double value);
 
-/// A normal's component or an isovalue as float32; what does not fit becomes NaN.
+/// A normal's component as float32; what does not fit becomes NaN.
 [[nodiscard]] float to_attribute(double value);
 
 /// The origin that a comment notes (see kOriginNote), if it does.
