@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
@@ -60,8 +61,8 @@ void expect_same_surface(const Surface& ours, const Surface& oracle, double slac
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(m[i], n[i], slack) << "moment " << i;
 }
 
-/// Blocks of 16 samples along each axis that are low, high, or noise: bricks and eighths of one
-/// side, and rows of bricks that no surface meets, beside others.
+/// Blocks of 48 x 48 x 12 samples that are low, high, or noise: boxes of one side, and rows of
+/// boxes that no surface meets, beside others.
 Volume volume_of_blocks(const Index3& dims, std::uint32_t seed) {
   RegularGrid grid;
   grid.dims = dims;
@@ -72,7 +73,7 @@ Volume volume_of_blocks(const Index3& dims, std::uint32_t seed) {
   for (std::int32_t z = 0; z < dims[2]; ++z)
     for (std::int32_t y = 0; y < dims[1]; ++y)
       for (std::int32_t x = 0; x < dims[0]; ++x, ++at) {
-        const std::int32_t block = (x / 16 * 5 + y / 16 * 3 + z / 16 * 7) / 4 % 3;
+        const std::int32_t block = (x / 48 * 5 + y / 48 * 3 + z / 12 * 7) / 4 % 3;
         if (block < 2) samples[at] = block == 0 ? -3.0F : 3.0F;
       }
   return volume;
@@ -149,24 +150,17 @@ TEST(full_resolution_memory, is_empty_after_an_error) {
 TEST(full_resolution_memory, counts_more_than_four_billion_triangles_a_slice) {
   constexpr std::int32_t kSide = 19000;
   diamond::SignField field;
-  field.dims = {{kSide, kSide, 2}};
-  field.brick_dims = {{(kSide + 30) / 32, (kSide + 30) / 32, 1}};
-  field.stride = (kSide + 31) / 32 + 1;
-  const std::size_t n_rows = 2 * std::size_t{kSide};
-  field.words = std::make_unique_for_overwrite<std::uint32_t[]>(field.stride * n_rows +
-                                                                diamond::SignField::kPadding);
-  for (std::size_t row = 0; row < n_rows; ++row)
-    std::fill_n(field.words.get() + row * field.stride, field.stride,
-                (row + row / kSide) % 2 == 0 ? 0x55555555U : 0xAAAAAAAAU);
-  for (std::size_t i = 0; i < field.stride + diamond::SignField::kPadding; ++i) {
-    const auto bits = [&](std::int64_t n) {
-      const std::int64_t left = n - 32 * static_cast<std::int64_t>(i);
-      return left >= 32 ? ~0U : left <= 0 ? 0U : (1U << left) - 1;
-    };
-    field.sample_bits.push_back(bits(kSide));
-    field.cell_bits.push_back(bits(kSide - 1));
-  }
-  field.is_met.assign(diamond::as_size(field.brick_dims[1]), 1);
+  field.resize({{kSide, kSide, 2}});
+  field.box_dims = {{(kSide + 30) / 32, (kSide + 30) / 32, 1}};
+  for (std::int32_t z = 0; z < 2; ++z)
+    for (std::size_t word = 0; word < field.stride; ++word) {
+      std::uint32_t* rows = &field.words[field.offset(word, 0, z)];
+      for (std::size_t y = 0; y < field.row_stride; ++y)
+        rows[y] = (y + diamond::as_size(z)) % 2 == 0 ? 0x55555555U : 0xAAAAAAAAU;
+    }
+  std::vector<std::uint32_t> all(field.n_words());
+  std::iota(all.begin(), all.end(), 0U);
+  field.met.assign(diamond::as_size(field.box_dims[1]), all);
   std::vector<diamond::RowStart> starts(kSide);
   const auto n = diamond::count_slice(field, 0, SurfaceStyle::tetra, starts.data());
   EXPECT_EQ(n.triangles, 12 * std::uint64_t{kSide - 1} * (kSide - 1));
@@ -210,6 +204,21 @@ TEST(full_resolution, is_a_manifold_with_the_tetrahedra_s_euler_number_on_random
     ASSERT_EQ(ours.euler_number, oracle.euler_number) << "volume " << i;
     ASSERT_EQ(ours.n_simplices, oracle.n_simplices) << "volume " << i;
   }
+}
+
+/// Where words, rows that are looked at together, and slices end.
+TEST(full_resolution, surrounds_a_sample_anywhere) {
+  RegularGrid grid;
+  grid.dims = {{34, 9, 10}};
+  for (const std::int32_t z : {0, 1, 7, 8, 9})
+    for (const std::int32_t y : {0, 1, 6, 7, 8})
+      for (const std::int32_t x : {0, 1, 30, 31, 32, 33}) {
+        const Volume volume = oracles::volume_of<float>(grid, [&](const Index3& p) {
+          return p == Index3{{x, y, z}} ? 1.0 : 0.0;
+        });
+        SCOPED_TRACE(testing::Message() << x << " " << y << " " << z);
+        expect_same_surface(full_resolution(volume, 0.25), finest_level_set(volume, 0.25), 0.1);
+      }
 }
 
 TEST(full_resolution, holds_every_sample_type_and_extreme_isovalue) {

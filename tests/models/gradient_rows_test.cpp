@@ -39,7 +39,7 @@ std::vector<WordGroup> crossed_edges(const Index3& dims, std::int32_t y, std::in
       if (!is_inside || random.below(one_in) != 0) continue;
       const std::size_t word = as_size(x) / 32;
       WordGroup& group = groups[word / WordGroup::kWords];
-      group.crossings[direction - 1][word % WordGroup::kWords] |= 1U << (x % 32);
+      group.crossings[word % WordGroup::kWords][direction - 1] |= 1U << (x % 32);
       group.met |= 1U << word % WordGroup::kWords;
     }
   return groups;
@@ -52,11 +52,11 @@ std::vector<std::uint32_t> packed(std::span<const WordGroup> groups, std::int32_
   for (std::size_t s = 0; s < kOwnSeries; ++s)
     for (const WordGroup& group : groups)
       for (std::size_t i = 0; i < WordGroup::kWords; ++i)
-        for (std::uint32_t bits = group.crossings[s][i]; bits != 0; bits &= bits - 1) {
+        for (std::uint32_t bits = group.crossings[i][s]; bits != 0; bits &= bits - 1) {
           const auto x = static_cast<std::uint32_t>(32 * (group.first + i)) +
                          static_cast<std::uint32_t>(std::countr_zero(bits));
           const EdgeEnds& ends = edge_ends((y & 1) | (z & 1) << 1)[s][x & 1];
-          edges.push_back((n << kRowShift) + x + ends.place);
+          edges.push_back((n << PackedEdge::kRowShift) + x + ends.place);
         }
   return edges;
 }

@@ -86,9 +86,8 @@ void BrickNodes::find_inside_samples() {
     return;
   }
   const T* const samples = reinterpret_cast<const T*>(data_);
-  std::array<std::uint32_t, std::tuple_size_v<BrickBits>> words{};  // all but a row's last sample
+  std::array<std::uint32_t, std::tuple_size_v<BrickBits>> words;  // all but a row's last sample
   find_signs({.samples = samples,
-              .part = SignPart::all,
               .row_step = kRowSamples,
               .slice_step = kRowSamples * kRowSamples,
               .words = words.data(),

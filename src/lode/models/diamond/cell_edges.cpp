@@ -50,13 +50,8 @@ CellEdges make_edges(int parity, bool is_mirrored, SurfaceStyle style) {
   result.by_corners = &cases_of(parity, is_mirrored, style);
   result.is_flipped = ((std::popcount(static_cast<unsigned>(parity)) & 1) != 0) != is_mirrored;
   for (const KuhnCubeCase& c : *result.by_corners)
-    for (std::size_t e = 0; e < c.n_edges; ++e) {
-      const std::size_t number = number_of(ends_of(c.edges[e], static_cast<unsigned>(parity)));
-      result.series[number] = c.edges[e] & 15U;
-      for (std::uint32_t x = 0; x < 32; ++x)
-        result.before[x][number] =
-            static_cast<std::uint32_t>((std::uint64_t{1} << (x + (c.edges[e] >> 4))) - 1);
-    }
+    for (std::size_t e = 0; e < c.n_edges; ++e)
+      result.edge[number_of(ends_of(c.edges[e], static_cast<unsigned>(parity)))] = c.edges[e];
   return result;
 }
 

@@ -18,11 +18,8 @@ struct CellEdges {
   static constexpr std::size_t kEdges = 19;
   static constexpr std::size_t kCubeEdges = 13;  ///< All that the style of cubes has.
 
-  alignas(64) std::array<std::uint32_t, 32> series{};  ///< By edge; see edge_series().
-  /// By a cell's x and edge, the anchors before the edge's in their word: the anchor is at x or,
-  /// for some edges, at the next x.
-  alignas(64) std::array<std::array<std::uint32_t, 32>, 32> before{};
-  bool is_flipped = false;  ///< Whether triangles are to be turned.
+  alignas(32) std::array<CellEdge, 32> edge{};  ///< By these numbers; then 0.
+  bool is_flipped = false;                      ///< Whether triangles are to be turned.
   const KuhnCubeCases* by_corners = nullptr;
 };
 

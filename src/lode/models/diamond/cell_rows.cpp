@@ -13,36 +13,77 @@ namespace lode::diamond::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Words = hn::CappedTag<std::uint32_t, SignField::kPadding>;
+/// One word of each of some rows, one above the other: those whose y is even come first.
+using Words = hn::CappedTag<std::uint32_t, SignField::kRows>;
 using WordsV = hn::Vec<Words>;
 
 HWY_INLINE WordsV word_mask(bool all) {
   return hn::Set(Words(), all ? ~std::uint32_t{0} : std::uint32_t{0});
 }
 
-/// The corners of the cells in several words: of each row the signs at the cells' own x, and at the
-/// next one.
-struct CornerWords {
-  CornerWords(const CellRow& cells, std::size_t word) {
+/// Where the mask has bits those of `yes`, else those of `no`.
+HWY_INLINE WordsV select(WordsV mask, WordsV yes, WordsV no) {
+  return hn::Or(hn::And(mask, yes), hn::AndNot(mask, no));
+}
+
+/// Rows of cells, from (y, z) on in y, and what there is of them.
+struct CellRows {
+  CellRows(const SignField& of, std::int32_t of_y, std::int32_t of_z)
+      : field(of), y(of_y), has_z(of_z + 1 < of.dims[2]), is_z_even((of_z & 1) == 0) {
     const Words d;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t* from = cells.rows()[i] + word;
-      row[i] = hn::LoadU(d, from);
-      next[i] = hn::Or(hn::ShiftRight<1>(row[i]), hn::ShiftLeft<31>(hn::LoadU(d, from + 1)));
-    }
-    samples = hn::LoadU(d, cells.field().sample_bits.data() + word);
-    in_cells = hn::LoadU(d, cells.field().cell_bits.data() + word);
+    low = &of.words[of.offset(0, y, of_z)];
+    high = &of.words[of.offset(0, y, has_z ? of_z + 1 : of_z)];
+    const auto number = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint32_t>(y)));
+    const auto n_rows = static_cast<std::uint32_t>(of.dims[1]);
+    const auto all = word_mask(true);
+    is_row = hn::IfThenElseZero(hn::Lt(number, hn::Set(d, n_rows)), all);
+    has_y = hn::IfThenElseZero(hn::Lt(number, hn::Set(d, n_rows - 1)), all);
+    has_both = hn::And(has_y, word_mask(has_z));
+    is_odd = hn::Sub(hn::Zero(d), hn::And(number, hn::Set(d, 1)));
+    // Where x is even of even rows, and odd of odd ones.
+    like_y = hn::Xor(hn::Set(d, 0x55555555U), is_odd);
+    like_z = hn::Set(d, is_z_even ? 0x55555555U : 0xAAAAAAAAU);
+    is_alike = is_z_even ? hn::Not(is_odd) : is_odd;
   }
 
-  /// Whether no edge is crossed: the corners at the next x may be another vector's.
-  [[nodiscard]] HWY_INLINE bool is_uniform() const {
-    const auto across =
-        hn::Or(hn::Or(hn::Xor(row[0], row[1]), hn::Xor(row[0], row[2])), hn::Xor(row[0], row[3]));
-    const auto along = hn::Or(hn::Or(hn::Xor(row[0], next[0]), hn::Xor(row[0], next[1])),
-                              hn::Or(hn::Xor(row[0], next[2]), hn::Xor(row[0], next[3])));
+  const SignField& field;
+  std::int32_t y;
+  bool has_z;
+  bool is_z_even;
+  const std::uint32_t* low;   ///< The first word of the first row, and of that in the next slice
+  const std::uint32_t* high;  ///< (or the same).
+  WordsV is_row, has_y, has_both;  ///< Whether rows are there, and those behind them in y (and z).
+  WordsV is_odd;                   ///< In y.
+  WordsV is_alike;                 ///< As even or odd in y as in z.
+  WordsV like_y, like_z;           ///< Where x is.
+};
+
+/// The corners of the cells in one word of rows: of each of four rows the signs at the cells' own
+/// x, and at the next one.
+struct CornerWords {
+  CornerWords(const CellRows& rows, std::size_t word) {
     const Words d;
-    return hn::AllTrue(
-        d, hn::Eq(hn::Or(hn::And(across, samples), hn::And(along, in_cells)), hn::Zero(d)));
+    const std::size_t step = rows.field.row_stride;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t* from = (i < 2 ? rows.low : rows.high) + word * step + (i & 1);
+      row[i] = hn::LoadU(d, from);
+      next[i] = hn::Or(hn::ShiftRight<1>(row[i]), hn::ShiftLeft<31>(hn::LoadU(d, from + step)));
+    }
+    samples = hn::And(rows.is_row, hn::Set(d, rows.field.sample_bits(word)));
+    in_cells = hn::And(rows.is_row, hn::Set(d, rows.field.cell_bits(word)));
+  }
+
+  /// Whether no edge is crossed. Rows that are not there say nothing.
+  [[nodiscard]] HWY_INLINE bool is_uniform(const CellRows& rows) const {
+    // With the next slice, and with the next rows.
+    const auto own =
+        hn::Or(hn::And(hn::Or(hn::Xor(row[0], next[0]), hn::Xor(row[0], next[2])), in_cells),
+               hn::And(hn::Xor(row[0], row[2]), samples));
+    const auto above =
+        hn::Or(hn::And(hn::Or(hn::Xor(row[0], row[1]), hn::Xor(row[0], row[3])), samples),
+               hn::And(hn::Or(hn::Xor(row[0], next[1]), hn::Xor(row[0], next[3])), in_cells));
+    const Words d;
+    return hn::AllTrue(d, hn::Eq(hn::Or(own, hn::And(above, rows.has_y)), hn::Zero(d)));
   }
 
   WordsV row[4];
@@ -52,62 +93,58 @@ struct CornerWords {
 
 /// Calls put(series, crossed anchors) for the first kOwnSeries of them, or all.
 template <bool kAll, typename Put>
-HWY_INLINE void for_each_series(const CellRow& cells, const CornerWords& c, const Put& put) {
-  const Words d;
-  const auto even = hn::Set(d, 0x55555555U);
+HWY_INLINE void for_each_series(const CellRows& rows, const CornerWords& c, const Put& put) {
   const auto along_x = [&](std::size_t i)
                            HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.next[i]), c.in_cells); };
   const auto across = [&](std::size_t i, std::size_t j)
                           HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.row[j]), c.samples); };
-  // Edges along x and other axes join the even corner to the odd one.
-  const auto slanted = [&](std::size_t i, std::size_t j, bool i_is_even) HWY_ATTR {
-    const std::size_t e = i_is_even ? i : j;
-    const std::size_t o = i_is_even ? j : i;
-    const auto at_even = hn::And(hn::Xor(c.row[e], c.next[o]), even);
-    const auto at_odd = hn::AndNot(even, hn::Xor(c.next[e], c.row[o]));
-    return hn::And(hn::Or(at_even, at_odd), c.in_cells);
+  // Edges along x and other axes join the even corner to the odd one: where x is as the mask says
+  // from row i to row j.
+  const auto slanted = [&](std::size_t i, std::size_t j, WordsV mask) HWY_ATTR {
+    return hn::And(select(mask, hn::Xor(c.row[i], c.next[j]), hn::Xor(c.next[i], c.row[j])),
+                   c.in_cells);
   };
-  const auto has_y = word_mask(cells.has_row(1, 0));
-  const auto has_z = word_mask(cells.has_row(0, 1));
-  const auto has_both = hn::And(has_y, has_z);
-  const bool y_even = (cells.parity() & 1) == 0;
-  const bool z_even = (cells.parity() & 2) == 0;
-  const bool is_alike = y_even == z_even;
+  const auto has_z = word_mask(rows.has_z);
+  const auto unlike_y = hn::Not(rows.like_y);
   put(0, along_x(0));
-  put(1, hn::And(across(0, 1), has_y));
-  put(2, hn::And(slanted(0, 1, y_even), has_y));
+  put(1, hn::And(across(0, 1), rows.has_y));
+  put(2, hn::And(slanted(0, 1, rows.like_y), rows.has_y));
   put(3, hn::And(across(0, 2), has_z));
-  put(4, hn::And(slanted(0, 2, z_even), has_z));
-  put(5, hn::And(is_alike ? across(0, 3) : across(1, 2), has_both));
-  put(6, hn::And(is_alike ? slanted(0, 3, y_even) : slanted(1, 2, !y_even), has_both));
+  put(4, hn::And(slanted(0, 2, rows.like_z), has_z));
+  put(5, hn::And(select(rows.is_alike, across(0, 3), across(1, 2)), rows.has_both));
+  put(6, hn::And(select(rows.is_alike, slanted(0, 3, rows.like_y), slanted(1, 2, unlike_y)),
+                 rows.has_both));
   if constexpr (!kAll) return;
-  put(7, hn::And(along_x(1), has_y));
-  put(8, hn::And(across(1, 3), has_both));
-  put(9, hn::And(slanted(1, 3, z_even), has_both));
+  put(7, hn::And(along_x(1), rows.has_y));
+  put(8, hn::And(across(1, 3), rows.has_both));
+  put(9, hn::And(slanted(1, 3, rows.like_z), rows.has_both));
   put(10, hn::And(along_x(2), has_z));
-  put(11, hn::And(across(2, 3), has_both));
-  put(12, hn::And(slanted(2, 3, y_even), has_both));
-  put(13, hn::And(along_x(3), has_both));
+  put(11, hn::And(across(2, 3), rows.has_both));
+  put(12, hn::And(slanted(2, 3, rows.like_y), rows.has_both));
+  put(13, hn::And(along_x(3), rows.has_both));
 }
 
 /// The corners of the words' cells by coordinates modulo 2, as in Kuhn's chains.
 struct EvenOddCorners {
-  EvenOddCorners(const CellRow& cells, const CornerWords& c) {
+  EvenOddCorners(const CellRows& rows, const CornerWords& c) {
     const auto even = hn::Set(Words(), 0x55555555U);
+    const std::size_t odd_slice = rows.is_z_even ? 0 : 2;
     for (std::size_t i = 0; i < 4; ++i) {
-      const auto row = c.row[i ^ cells.parity()];
-      const auto next = c.next[i ^ cells.parity()];
-      corner[2 * i] = hn::Or(hn::And(row, even), hn::AndNot(even, next));
-      corner[2 * i + 1] = hn::Or(hn::And(next, even), hn::AndNot(even, row));
+      const std::size_t low = i ^ odd_slice;
+      const auto row = select(rows.is_odd, c.row[low ^ 1], c.row[low]);
+      const auto next = select(rows.is_odd, c.next[low ^ 1], c.next[low]);
+      corner[2 * i] = select(even, row, next);
+      corner[2 * i + 1] = select(even, next, row);
     }
   }
   WordsV corner[8];
 };
 
 /// Triangles of the words' cells, added up word by word.
-HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
+HWY_INLINE WordsV n_triangles(const CellRows& rows, const CornerWords& c) {
   const Words d;
-  const EvenOddCorners all(cells, c);
+  const EvenOddCorners all(rows, c);
+  const auto in_cells = hn::And(c.in_cells, rows.has_both);
   const auto& corner = all.corner;
   auto n = hn::Zero(d);
   const auto across = hn::Xor(corner[0], corner[7]);
@@ -116,7 +153,7 @@ HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
       if (first == second) continue;
       const auto a = hn::Xor(corner[0], corner[first]);
       const auto b = hn::Xor(corner[0], corner[first | second]);
-      const auto crossed = hn::And(hn::Or(hn::Or(a, b), across), c.in_cells);
+      const auto crossed = hn::And(hn::Or(hn::Or(a, b), across), in_cells);
       // Among four signs, one or three differ from the rest when the differences' sum is odd.
       const auto quads = hn::AndNot(hn::Xor(hn::Xor(a, b), across), crossed);
       n = hn::Add(n, hn::Add(hn::PopulationCount(crossed), hn::PopulationCount(quads)));
@@ -126,23 +163,21 @@ HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
 
 /// In the style of cubes, calls put(series, crossed anchors) for the grid edges, own ones or all.
 template <bool kAll, typename Put>
-HWY_INLINE void for_each_grid_series(const CellRow& cells, const CornerWords& c, const Put& put) {
+HWY_INLINE void for_each_grid_series(const CellRows& rows, const CornerWords& c, const Put& put) {
   const auto along_x = [&](std::size_t i)
                            HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.next[i]), c.in_cells); };
   const auto across = [&](std::size_t i, std::size_t j)
                           HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.row[j]), c.samples); };
-  const auto has_y = word_mask(cells.has_row(1, 0));
-  const auto has_z = word_mask(cells.has_row(0, 1));
+  const auto has_z = word_mask(rows.has_z);
   put(0, along_x(0));
-  put(1, hn::And(across(0, 1), has_y));
+  put(1, hn::And(across(0, 1), rows.has_y));
   put(3, hn::And(across(0, 2), has_z));
   if constexpr (!kAll) return;
-  const auto has_both = hn::And(has_y, has_z);
-  put(7, hn::And(along_x(1), has_y));
-  put(8, hn::And(across(1, 3), has_both));
+  put(7, hn::And(along_x(1), rows.has_y));
+  put(8, hn::And(across(1, 3), rows.has_both));
   put(10, hn::And(along_x(2), has_z));
-  put(11, hn::And(across(2, 3), has_both));
-  put(13, hn::And(along_x(3), has_both));
+  put(11, hn::And(across(2, 3), rows.has_both));
+  put(13, hn::And(along_x(3), rows.has_both));
 }
 
 /// Of cells in the style of cubes, whose corners are given by differences from the even one.
@@ -190,81 +225,68 @@ HWY_INLINE WordsV n_cube_triangles(const EvenOddCorners& all, const CubePieces& 
   return hn::Sub(n, hn::Add(discs, discs));
 }
 
-/// Of each own series the vertices, then the triangles.
-using RowSums = std::array<std::uint32_t, kOwnSeries + 1>;
-
-/// The sum of each vector's lanes.
-HWY_INLINE void put_sums(const WordsV (&v)[kOwnSeries + 1], RowSums& sums) {
-  const Words d;
-  const hn::Repartition<std::uint64_t, Words> d64;
-  // Four vectors' sums side by side in each block of four lanes.
-  const auto pair = [&](std::size_t i) HWY_ATTR {
-    return hn::BitCast(d64, hn::Add(hn::InterleaveLower(d, v[i], v[i + 1]),
-                                    hn::InterleaveUpper(d, v[i], v[i + 1])));
-  };
-  alignas(64) std::uint32_t blocks[SignField::kPadding];
-  const hn::CappedTag<std::uint32_t, 4> d4;
-  for (std::size_t i = 0; i < sums.size(); i += 4) {
-    const auto low = pair(i);
-    const auto high = pair(i + 2);
-    hn::Store(hn::Add(hn::BitCast(d, hn::InterleaveLower(d64, low, high)),
-                      hn::BitCast(d, hn::InterleaveUpper(d64, low, high))),
-              d, blocks);
-    auto sum = hn::Load(d4, blocks);
-    for (std::size_t k = 4; k < hn::Lanes(d); k += 4) sum = hn::Add(sum, hn::Load(d4, blocks + k));
-    hn::StoreU(sum, d4, sums.data() + i);
-  }
-}
+/// Of each own series the vertices, then the triangles, by row.
+using RowSums = std::array<std::array<std::uint32_t, SignField::kRows>, kOwnSeries + 1>;
 
 /// False if there is nothing to count.
 template <bool kCubes>
-HWY_INLINE bool count_in(const CellRow& cells, RowSums& sums) {
+HWY_INLINE bool count_in(const CellRows& rows, std::span<const std::uint32_t> words, RowSums& sums,
+                         std::size_t first_row) {
   const Words d;
   const auto zero = hn::Zero(d);
   WordsV n[kOwnSeries + 1]{zero, zero, zero, zero, zero, zero, zero, zero};
   WordsV& triangles = n[kOwnSeries];
-  const bool has_cells = cells.has_row(1, 1);
   bool is_empty = true;
-  for (std::size_t word = 0; word < cells.field().n_words(); word += hn::Lanes(d)) {
-    const CornerWords c(cells, word);
-    if (c.is_uniform()) continue;
+  for (const std::uint32_t word : words) {
+    const CornerWords c(rows, word);
+    if (c.is_uniform(rows)) continue;
     is_empty = false;
     const auto add = [&](std::size_t s, WordsV crossed)
                          HWY_ATTR { n[s] = hn::Add(n[s], hn::PopulationCount(crossed)); };
     if constexpr (kCubes) {
-      for_each_grid_series<false>(cells, c, add);
-      if (!has_cells) continue;
-      const EvenOddCorners all(cells, c);
+      for_each_grid_series<false>(rows, c, add);
+      const auto in_cells = hn::And(c.in_cells, rows.has_both);
+      const EvenOddCorners all(rows, c);
       const CubePieces pieces(all);
       const auto with_body_vertex = pieces.with_body_vertex();
-      add(6, hn::And(with_body_vertex, c.in_cells));
-      triangles = hn::Add(triangles, n_cube_triangles(all, pieces, with_body_vertex, c.in_cells));
+      add(6, hn::And(with_body_vertex, in_cells));
+      triangles = hn::Add(triangles, n_cube_triangles(all, pieces, with_body_vertex, in_cells));
     } else {
-      for_each_series<false>(cells, c, add);
-      if (has_cells) triangles = hn::Add(triangles, n_triangles(cells, c));
+      for_each_series<false>(rows, c, add);
+      triangles = hn::Add(triangles, n_triangles(rows, c));
     }
   }
-  if (!is_empty) put_sums(n, sums);
+  for (std::size_t s = 0; s <= kOwnSeries; ++s) hn::StoreU(n[s], d, sums[s].data() + first_row);
   return !is_empty;
 }
 
 template <bool kCubes>
 SliceCounts count_rows(const SignField& field, std::int32_t z, RowStart* starts) {
+  constexpr auto kRows = static_cast<std::int32_t>(SignField::kRows);
   SliceCounts all;
   RowSums sums;
-  for (std::int32_t y = 0; y < field.dims[1]; ++y) {
-    RowStart& start = starts[y];
-    if (!field.may_cross(y, z) || !count_in<kCubes>(CellRow(field, y, z), sums)) {
-      start.vertex.fill(static_cast<std::uint32_t>(all.vertices));
+  for (std::int32_t y = 0; y < field.dims[1]; y += kRows) {
+    const std::span<const std::uint32_t> words = field.met_words(y, z);
+    bool is_empty = true;
+    for (std::size_t row = 0; !words.empty() && row < SignField::kRows; row += hn::Lanes(Words()))
+      if (count_in<kCubes>(CellRows(field, y + static_cast<std::int32_t>(row), z), words, sums,
+                           row))
+        is_empty = false;
+    const std::int32_t n_rows = std::min(kRows, field.dims[1] - y);
+    for (std::int32_t row = 0; row < n_rows; ++row) {
+      RowStart& start = starts[y + row];
+      if (is_empty) {
+        start.vertex.fill(static_cast<std::uint32_t>(all.vertices));
+        start.triangle = static_cast<std::uint32_t>(all.triangles);
+        continue;
+      }
+      for (std::size_t s = 0; s < kOwnSeries; ++s) {
+        start.vertex[s] = static_cast<std::uint32_t>(all.vertices);
+        all.vertices += sums[s][static_cast<std::size_t>(row)];
+      }
       start.triangle = static_cast<std::uint32_t>(all.triangles);
-      continue;
+      all.triangles += sums[kOwnSeries][static_cast<std::size_t>(row)];
     }
-    for (std::size_t s = 0; s < kOwnSeries; ++s) {
-      start.vertex[s] = static_cast<std::uint32_t>(all.vertices);
-      all.vertices += sums[s];
-    }
-    start.triangle = static_cast<std::uint32_t>(all.triangles);
-    all.triangles += sums[kOwnSeries];
   }
   return all;
 }
@@ -280,61 +302,106 @@ void run_place(const RowStart* starts, std::size_t n, const RowStart& base, RowS
       hn::StoreU(hn::Add(hn::LoadU(d, from + i + k), hn::LoadU(d, add + k)), d, to + i + k);
 }
 
-HWY_INLINE std::uint32_t lanes_that(hn::Mask<Words> mask) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(Words(), mask, bytes);
-  const std::uint32_t bits = bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
-  return bits & ((std::uint32_t{1} << hn::Lanes(Words())) - 1);
-}
-
 /// Cells with corners of both signs.
-HWY_INLINE WordsV crossed_cells(const CornerWords& c) {
+HWY_INLINE WordsV crossed_cells(const CornerWords& c, WordsV in_cells) {
   const auto any = hn::Or(hn::Or(hn::Or(c.row[0], c.row[1]), hn::Or(c.row[2], c.row[3])),
                           hn::Or(hn::Or(c.next[0], c.next[1]), hn::Or(c.next[2], c.next[3])));
   const auto all = hn::And(hn::And(hn::And(c.row[0], c.row[1]), hn::And(c.row[2], c.row[3])),
                            hn::And(hn::And(c.next[0], c.next[1]), hn::And(c.next[2], c.next[3])));
-  return hn::And(hn::AndNot(all, any), c.in_cells);
+  return hn::And(hn::AndNot(all, any), in_cells);
 }
 
-/// Adds what some of a group's words have, from the `first` on.
+/// All series of one word of some rows.
+struct SeriesWords {
+  SeriesWords() {
+    for (WordsV& v : series) v = hn::Zero(Words());
+  }
+
+  /// Row by row: out(row) is where its 16 go. Each block of four rows, of four series, is turned
+  /// over by itself.
+  template <typename Out>
+  HWY_INLINE void store(const Out& out) const {
+    const Words d;
+    const hn::Repartition<std::uint64_t, Words> d64;
+    constexpr std::size_t kLanes = hn::MaxLanes(d);
+    if constexpr (kLanes != 8) {
+      alignas(64) std::array<std::uint32_t, SignField::kRows> words;
+      for (std::size_t s = 0; s < 16; ++s) {
+        hn::Store(series[s], d, words.data());
+        for (std::size_t k = 0; k < hn::Lanes(d); ++k) out(k)[s] = words[k];
+      }
+    } else {
+      WordsV turned[4][4];
+      for (std::size_t four = 0; four < 4; ++four) {
+        const WordsV* v = series + 4 * four;
+        const auto pairs = [&](std::size_t i) HWY_ATTR {
+          return hn::BitCast(d64, hn::InterleaveLower(d, v[i], v[i + 1]));
+        };
+        const auto upper_pairs = [&](std::size_t i) HWY_ATTR {
+          return hn::BitCast(d64, hn::InterleaveUpper(d, v[i], v[i + 1]));
+        };
+        turned[four][0] = hn::BitCast(d, hn::InterleaveLower(d64, pairs(0), pairs(2)));
+        turned[four][1] = hn::BitCast(d, hn::InterleaveUpper(d64, pairs(0), pairs(2)));
+        turned[four][2] = hn::BitCast(d, hn::InterleaveLower(d64, upper_pairs(0), upper_pairs(2)));
+        turned[four][3] = hn::BitCast(d, hn::InterleaveUpper(d64, upper_pairs(0), upper_pairs(2)));
+      }
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t eight = 0; eight < 2; ++eight) {
+          const WordsV low = turned[2 * eight][k];
+          const WordsV high = turned[2 * eight + 1][k];
+          hn::StoreU(hn::ConcatLowerLower(d, high, low), d, out(k) + 8 * eight);
+          hn::StoreU(hn::ConcatUpperUpper(d, high, low), d, out(k + 4) + 8 * eight);
+        }
+    }
+  }
+
+  WordsV series[16];
+};
+
+/// Adds what one word of some rows has, the first of which is `first_row` of the groups.
 template <bool kCubes>
-HWY_INLINE void find_some(const CellRow& cells, std::size_t first, WordGroup& out) {
+HWY_INLINE void find_some(const CellRows& rows, std::size_t word, std::size_t first_row,
+                          RowGroups& out) {
   const Words d;
-  const CornerWords c(cells, out.first + first);
-  if (c.is_uniform()) return;
+  const CornerWords c(rows, word);
+  if (c.is_uniform(rows)) return;
+  SeriesWords all;
   auto any = hn::Zero(d);
   const auto put = [&](std::size_t s, WordsV crossed) HWY_ATTR {
-    hn::StoreU(crossed, d, out.crossings[s].data() + first);
+    all.series[s] = crossed;
     any = hn::Or(any, crossed);
-    if (s < kOwnSeries) out.with_edges[s] |= lanes_that(hn::Ne(crossed, hn::Zero(d))) << first;
   };
+  const auto in_cells = hn::And(c.in_cells, rows.has_both);
   if constexpr (kCubes) {
-    for_each_grid_series<true>(cells, c, put);
-    const CubePieces pieces(EvenOddCorners(cells, c));
-    put(6, hn::And(hn::And(pieces.with_body_vertex(), c.in_cells), word_mask(cells.has_row(1, 1))));
+    for_each_grid_series<true>(rows, c, put);
+    const CubePieces pieces(EvenOddCorners(rows, c));
+    put(6, hn::And(pieces.with_body_vertex(), in_cells));
   } else {
-    for_each_series<true>(cells, c, put);
+    for_each_series<true>(rows, c, put);
   }
-  hn::StoreU(hn::And(crossed_cells(c), word_mask(cells.has_row(1, 1))), d,
-             out.cells.data() + first);
-  out.met |= lanes_that(hn::Ne(any, hn::Zero(d))) << first;
+  const std::size_t i = word % WordGroup::kWords;
+  all.store([&](std::size_t row)
+                HWY_ATTR { return out.of_word(first_row + row, word).crossings[i].data(); });
+  alignas(64) std::array<std::uint32_t, SignField::kRows> cells;
+  alignas(64) std::array<std::uint32_t, SignField::kRows> met;
+  hn::Store(crossed_cells(c, in_cells), d, cells.data());
+  hn::Store(any, d, met.data());
+  for (std::size_t row = 0; row < hn::Lanes(d); ++row) {
+    WordGroup& group = out.of_word(first_row + row, word);
+    group.cells[i] = cells[row];
+    group.met |= static_cast<std::uint32_t>(met[row] != 0) << i;
+  }
 }
 
 template <bool kCubes>
-std::size_t find_in(const CellRow& cells, WordGroup* out) {
-  const std::size_t n_words = cells.field().n_words();
-  std::size_t n = 0;
-  for (std::size_t word = 0; word < n_words; word += WordGroup::kWords) {
-    WordGroup& group = out[n];
-    group.first = word;
-    group.met = 0;
-    group.with_edges = {};
-    const std::size_t end = std::min(WordGroup::kWords, n_words - word);
-    for (std::size_t first = 0; first < end; first += hn::Lanes(Words()))
-      find_some<kCubes>(cells, first, group);
-    n += group.met != 0 ? 1 : 0;
+void find_in(const SignField& field, std::int32_t y, std::int32_t z, RowGroups& out) {
+  out.clear();
+  const std::span<const std::uint32_t> words = field.met_words(y, z);
+  if (words.empty()) return;
+  for (std::size_t row = 0; row < SignField::kRows; row += hn::Lanes(Words())) {
+    const CellRows rows(field, y + static_cast<std::int32_t>(row), z);
+    for (const std::uint32_t word : words) find_some<kCubes>(rows, word, row, out);
   }
-  return n;
 }
 
 SliceCounts run_count(const SignField& field, std::int32_t z, SurfaceStyle style,
@@ -342,8 +409,12 @@ SliceCounts run_count(const SignField& field, std::int32_t z, SurfaceStyle style
   return style == SurfaceStyle::cubes ? count_rows<true>(field, z, starts)
                                       : count_rows<false>(field, z, starts);
 }
-std::size_t run_find(const CellRow& cells, SurfaceStyle style, WordGroup* out) {
-  return style == SurfaceStyle::cubes ? find_in<true>(cells, out) : find_in<false>(cells, out);
+void run_find(const SignField& field, std::int32_t y, std::int32_t z, SurfaceStyle style,
+              RowGroups& out) {
+  if (style == SurfaceStyle::cubes)
+    find_in<true>(field, y, z, out);
+  else
+    find_in<false>(field, y, z, out);
 }
 
 }  // namespace lode::diamond::HWY_NAMESPACE
@@ -363,8 +434,9 @@ SliceCounts count_slice(const SignField& field, std::int32_t z, SurfaceStyle sty
 void place_rows(const RowStart* starts, std::size_t n, const RowStart& base, RowStart* out) {
   HWY_DYNAMIC_DISPATCH(run_place)(starts, n, base, out);
 }
-std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out) {
-  return HWY_DYNAMIC_DISPATCH(run_find)(row, style, out);
+void find_words(const SignField& field, std::int32_t y, std::int32_t z, SurfaceStyle style,
+                RowGroups& out) {
+  HWY_DYNAMIC_DISPATCH(run_find)(field, y, z, style, out);
 }
 
 }  // namespace lode::diamond

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "lode/core/surface.h"
 #include "lode/mappers/kuhn_cube.h"
@@ -24,35 +26,28 @@ inline constexpr std::size_t kOwnSeries = 7;
 class CellRow {
  public:
   CellRow(const SignField& field, std::int32_t y, std::int32_t z)
-      : field_(field),
-        has_y_(y + 1 < field.dims[1]),
-        has_z_(z + 1 < field.dims[2]),
-        parity_(as_size(y & 1) | as_size(z & 1) << 1) {
+      : step_(field.row_stride), parity_(as_size(y & 1) | as_size(z & 1) << 1) {
     // A row beyond the data reads as the row itself.
-    for (int i = 0; i < 4; ++i)
-      rows_[as_size(i)] =
-          field.words.get() +
-          (has_row(i & 1, i >> 1) ? field.offset(y + (i & 1), z + (i >> 1)) : field.offset(y, z));
+    for (int i = 0; i < 4; ++i) {
+      const std::int32_t row_y = std::min(y + (i & 1), field.dims[1] - 1);
+      const std::int32_t row_z = std::min(z + (i >> 1), field.dims[2] - 1);
+      rows_[as_size(i)] = &field.words[field.offset(0, row_y, row_z)];
+    }
   }
 
-  [[nodiscard]] bool has_row(int row_y, int row_z) const {
-    return (row_y == 0 || has_y_) && (row_z == 0 || has_z_);
-  }
-  [[nodiscard]] const SignField& field() const { return field_; }
-  [[nodiscard]] const std::array<const std::uint32_t*, 4>& rows() const { return rows_; }
   /// Bit 0: whether y is odd; bit 1: z.
   [[nodiscard]] std::size_t parity() const { return parity_; }
   [[nodiscard]] CornerRows corners(std::size_t word) const {
     CornerRows r;
-    for (std::size_t i = 0; i < 4; ++i)
-      r[i] = rows_[i][word] | static_cast<std::uint64_t>(rows_[i][word + 1]) << 32;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t* own = rows_[i] + word * step_;
+      r[i] = own[0] | static_cast<std::uint64_t>(own[step_]) << 32;
+    }
     return r;
   }
 
  private:
-  const SignField& field_;
-  bool has_y_;
-  bool has_z_;
+  std::size_t step_;
   std::size_t parity_;
   std::array<const std::uint32_t*, 4> rows_{};
 };
@@ -75,11 +70,33 @@ struct WordGroup {
   static constexpr std::size_t kWords = 16;
   using PerWord = std::array<std::uint32_t, kWords>;
 
-  alignas(64) std::array<PerWord, 16> crossings{};     ///< Crossed anchors, by series; last two: 0.
-  alignas(64) PerWord cells{};                         ///< Crossed cells.
-  std::array<std::uint32_t, kOwnSeries> with_edges{};  ///< Bits of words with crossed anchors.
-  std::uint32_t met = 0;                               ///< Bits of words with any.
-  std::size_t first = 0;                               ///< The first word's number.
+  alignas(64) std::array<PerSeries, kWords> crossings{};  ///< Crossed anchors; last two: 0.
+  alignas(64) PerWord cells{};                            ///< Crossed cells.
+  std::uint32_t met = 0;                                  ///< Bits of words with any.
+  std::size_t first = 0;                                  ///< The first word's number.
+};
+
+/// Of SignField::kRows rows, one above the other, each with all groups that its words are of.
+class RowGroups {
+ public:
+  explicit RowGroups(const SignField& field)
+      : n_groups_(field.n_words() / WordGroup::kWords + 1), groups_(SignField::kRows * n_groups_) {
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+      groups_[i].first = i % n_groups_ * WordGroup::kWords;
+  }
+  void clear() {
+    for (WordGroup& group : groups_) group.met = 0;
+  }
+  [[nodiscard]] WordGroup& of_word(std::size_t row, std::size_t word) {
+    return groups_[row * n_groups_ + word / WordGroup::kWords];
+  }
+  [[nodiscard]] std::span<const WordGroup> of_row(std::size_t row) const {
+    return std::span(groups_).subspan(row * n_groups_, n_groups_);
+  }
+
+ private:
+  std::size_t n_groups_;
+  std::vector<WordGroup> groups_;
 };
 
 /// Counts the vertices and triangles of a slice of cells, and says where each row's begin in it:
@@ -88,8 +105,9 @@ struct WordGroup {
                                       RowStart* starts);
 /// Adds to n starts what a slice begins with.
 void place_rows(const RowStart* starts, std::size_t n, const RowStart& base, RowStart* out);
-/// Lists the groups that the surface meets, for which there is room, and returns their number.
-/// Series that the style has no vertices on are left as they are: 0.
-[[nodiscard]] std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out);
+/// What the surface meets in rows y to y + SignField::kRows - 1, of which the first is a multiple
+/// of that. What groups have of words that are not met means nothing.
+void find_words(const SignField& field, std::int32_t y, std::int32_t z, SurfaceStyle style,
+                RowGroups& out);
 
 }  // namespace lode::diamond

@@ -71,42 +71,23 @@ alignas(16) constexpr std::uint8_t kTurns[2][16] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
     {0, 2, 1, 3, 5, 4, 6, 8, 7, 9, 11, 10, 12, 14, 13, 15}};
 
-using D4 = hn::CappedTag<std::uint32_t, 4>;
-
-static_assert(CellEdges::kCubeEdges <= 16);
-
-/// What a word's cells of one parity have in common: by edge, 16 and the other 3, which cubes do
-/// not have.
-template <bool kCubes>
-struct EdgesOfWord {
-  HWY_INLINE void open(const CellEdges& edges, V32 ids, V32 bits) {
+/// The numbers of the vertices on the edges of a word's cells: 16 at a cell's own x, by series, and
+/// as many at the next x.
+struct EdgeIds {
+  /// `first`: of each series the first one's.
+  HWY_INLINE EdgeIds(V32 first, V32 crossings, std::uint32_t x) {
     const D32 d;
-    const auto low = hn::Load(d, edges.series.data());
-    first_id = V32{_mm512_permutexvar_epi32(low.raw, ids.raw)};
-    crossings = V32{_mm512_permutexvar_epi32(low.raw, bits.raw)};
-    if constexpr (kCubes) return;
-    const auto high = hn::Load(d, edges.series.data() + 16);
-    last_first_id =
-        hn::Vec<D4>{_mm512_castsi512_si128(_mm512_permutexvar_epi32(high.raw, ids.raw))};
-    last_crossings =
-        hn::Vec<D4>{_mm512_castsi512_si128(_mm512_permutexvar_epi32(high.raw, bits.raw))};
-  }
-  /// The numbers of the vertices on the edges of the cell at x: 16,
-  HWY_INLINE V32 ids(const CellEdges& edges, std::size_t x) const {
-    const auto before = hn::Load(D32(), edges.before[x].data());
-    return hn::Add(first_id, hn::PopulationCount(hn::And(crossings, before)));
-  }
-  /// and the others.
-  HWY_INLINE V32 last_ids(const CellEdges& edges, std::size_t x) const {
-    const auto before = hn::Load(D4(), edges.before[x].data() + 16);
-    const auto ids = hn::Add(last_first_id, hn::PopulationCount(hn::And(last_crossings, before)));
-    return V32{_mm512_castsi128_si512(ids.raw)};
+    const std::uint64_t before = (std::uint64_t{1} << x) - 1;
+    const auto count = [&](std::uint64_t anchors) HWY_ATTR {
+      return hn::PopulationCount(
+          hn::And(crossings, hn::Set(d, static_cast<std::uint32_t>(anchors))));
+    };
+    own = hn::Add(first, count(before));
+    next = hn::Add(first, count(2 * before + 1));
   }
 
-  V32 first_id;
-  V32 crossings;
-  hn::Vec<D4> last_first_id;
-  hn::Vec<D4> last_crossings;
+  V32 own;
+  V32 next;
 };
 
 /// The corners of a word's cells, by bits: bit k of a cell's byte is the corner whose coordinates
@@ -182,7 +163,7 @@ struct CellList {
   std::size_t n = 0;
   std::uint8_t corners[kMost];
   std::uint8_t x[kMost];
-  std::uint8_t words[kMost];  ///< Their numbers among those that are met.
+  std::uint8_t words[kMost];  ///< Their numbers in the group.
 };
 
 /// A row of cells, group by group. In one loop over all cells of a group: where each word's ended,
@@ -193,99 +174,98 @@ class RowWriter {
   explicit RowWriter(const CellRun& run)
       : run_(run),
         cases_(cell_cases(run.style)),
-        edges_{run.even, run.odd},
         out_(run.out),
         first_id_{_mm512_permutex2var_epi32(hn::LoadU(D32(), run.start->vertex.data()).raw,
                                             hn::LoadU(D32(), kStartOfSeries.data()).raw,
                                             hn::LoadU(D32(), run.above->vertex.data()).raw)} {
-    if constexpr (kCubes)  // not all are written
-      for (PerSeries& word : crossings_) word = {};
-    for (std::size_t i = 0; i < 2; ++i)
-      turns_[i] =
-          hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[edges_[i]->is_flipped ? 1 : 0]);
+    const CellEdges* edges[2] = {run.even, run.odd};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const bool is_flipped = edges[i]->is_flipped;
+      turns_[i] = hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[is_flipped ? 1 : 0]);
+      lanes_[i] = hn::Load(hn::CappedTag<std::uint8_t, 32>(), edges[i]->edge.data());
+    }
   }
 
   void write(const WordGroup& group) {
     open(group);
     std::size_t i = 0;
     std::uint32_t* out = out_;
-    for (; i < list_.n && run_.end - out >= kMostEnds; ++i) out = write_cell_at(i, out);
+    for (; i < list_.n && run_.end - out >= kMostEnds; ++i) out = write_cell_at(group, i, out);
     out_ = out;
     if (i < list_.n) write_rest(group, i);
   }
 
  private:
   static constexpr std::ptrdiff_t kMostEnds = 48;
-  /// By series: those on grid edges, and on the body diagonals.
-  static constexpr std::array<bool, 16> kHasGridEdges{true, true, false, true, false, false, true,
-                                                      true, true, false, true, true,  false, true};
+  static constexpr std::size_t kAhead = 512;  ///< Of what is written.
 
   HWY_INLINE void open(const WordGroup& group) {
     const D32 d;
     list_.n = 0;
-    // All words first: what was just written in parts is slow to read as a whole.
-    std::size_t n = 0;
-    for (std::uint32_t met = group.met; met != 0; met &= met - 1, ++n)
-      for (std::size_t s = 0; s < group.crossings.size(); ++s)
-        if (!kCubes || kHasGridEdges[s])
-          crossings_[n][s] = group.crossings[s][static_cast<std::size_t>(std::countr_zero(met))];
-    n = 0;
-    for (std::uint32_t met = group.met; met != 0; met &= met - 1, ++n) {
+    for (std::uint32_t met = group.met; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      const auto bits = hn::Load(d, crossings_[n].data());
-      words_[n][0].open(*edges_[0], first_id_, bits);
-      words_[n][1].open(*edges_[1], first_id_, bits);
-      hn::Store(first_id_, d, first_ids_[n].data());
-      list_.add(*run_.row, group.first + i, n, group.cells[i]);
-      first_id_ = hn::Add(first_id_, hn::PopulationCount(bits));
+      hn::Store(first_id_, d, first_ids_[i].data());
+      list_.add(*run_.row, group.first + i, i, group.cells[i]);
+      first_id_ = hn::Add(first_id_, hn::PopulationCount(hn::Load(d, group.crossings[i].data())));
     }
   }
 
-  HWY_INLINE std::uint32_t* write_cell_at(std::size_t i, std::uint32_t* out) const {
+  HWY_INLINE std::uint32_t* write_cell_at(const WordGroup& group, std::size_t i,
+                                          std::uint32_t* out) const {
     const D32 d;
-    const hn::Rebind<std::uint8_t, D32> d8;
+    const hn::CappedTag<std::uint8_t, 16> d8;
     const std::size_t x = list_.x[i];
-    const CellEdges& edges = *edges_[x & 1];
-    const EdgesOfWord<kCubes>& word = words_[list_.words[i]][x & 1];
+    const std::size_t word = list_.words[i];
     const CellCase& c = cases_[list_.corners[i]];
+    const EdgeIds ids(hn::Load(d, first_ids_[word].data()),
+                      hn::Load(d, group.crossings[word].data()), static_cast<std::uint32_t>(x));
     const auto turn = turns_[x & 1];
-    const auto low = word.ids(edges, x);
-    const auto high = kCubes ? low : word.last_ids(edges, x);
+    const auto lanes = lanes_[x & 1];
     const auto put = [&](std::size_t at) HWY_ATTR {
-      const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + at), turn);
-      const auto edge = hn::PromoteTo(d, turned);
-      if constexpr (kCubes)
-        hn::StoreU(V32{_mm512_permutexvar_epi32(edge.raw, low.raw)}, d, out + at);
-      else
-        hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + at);
+      const auto edges = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + at), turn);
+      const auto lane = hn::PromoteTo(d, lanes_of(edges, lanes));
+      hn::StoreU(V32{_mm512_permutex2var_epi32(ids.own.raw, lane.raw, ids.next.raw)}, d, out + at);
     };
+    // Nothing of it is read, but the processor waits for it to be there.
+    __builtin_prefetch(out + kAhead, 1);
     put(0);
     if (!kCubes || c.n_ends > 15) put(15);
     if (c.n_ends > 30) put(30);
     return out + c.n_ends;
   }
 
+  /// By a table of 32.
+  static HWY_INLINE hn::Vec<hn::CappedTag<std::uint8_t, 16>> lanes_of(
+      hn::Vec<hn::CappedTag<std::uint8_t, 16>> edges,
+      hn::Vec<hn::CappedTag<std::uint8_t, 32>> table) {
+#if HWY_TARGET == HWY_AVX3_DL
+    return hn::Vec<hn::CappedTag<std::uint8_t, 16>>{_mm256_castsi256_si128(
+        _mm256_permutexvar_epi8(_mm256_castsi128_si256(edges.raw), table.raw))};
+#else
+    const __m128i low = _mm_shuffle_epi8(_mm256_castsi256_si128(table.raw), edges.raw);
+    const __m128i high = _mm_shuffle_epi8(_mm256_extracti128_si256(table.raw, 1), edges.raw);
+    const __mmask16 is_high = _mm_test_epi8_mask(edges.raw, _mm_set1_epi8(16));
+    return hn::Vec<hn::CappedTag<std::uint8_t, 16>>{_mm_mask_blend_epi8(is_high, low, high)};
+#endif
+  }
+
   /// Without writing more than there is.
   void write_rest(const WordGroup& group, std::size_t i) {
     for (; i < list_.n; ++i) {
       const std::size_t word = list_.words[i];
-      std::uint32_t met = group.met;
-      for (std::size_t n = 0; n < word; ++n) met &= met - 1;
-      const auto at = group.first + static_cast<std::size_t>(std::countr_zero(met));
-      out_ = write_one_by_one(run_, at, std::uint32_t{1} << list_.x[i], crossings_[word],
-                              first_ids_[word], out_);
+      out_ = write_one_by_one(run_, group.first + word, std::uint32_t{1} << list_.x[i],
+                              group.crossings[word], first_ids_[word], out_);
     }
   }
 
   const CellRun& run_;
   const CellCase* cases_;
-  std::array<const CellEdges*, 2> edges_;              ///< Of cells whose x is even, and odd.
-  hn::Vec<hn::CappedTag<std::uint8_t, 16>> turns_[2];  ///< Likewise, of five triangles.
+  // Where x is even, and odd: of five triangles; and by CellCase's edges those of EdgeIds.
+  hn::Vec<hn::CappedTag<std::uint8_t, 16>> turns_[2];
+  hn::Vec<hn::CappedTag<std::uint8_t, 32>> lanes_[2];
   std::uint32_t* out_;
   V32 first_id_;
-  alignas(64) PerSeries crossings_[WordGroup::kWords];
   alignas(64) PerSeries first_ids_[WordGroup::kWords];
-  EdgesOfWord<kCubes> words_[WordGroup::kWords][2];
   CellList list_;
 };
 
@@ -311,11 +291,10 @@ void run_cells(const CellRun& run) {
     const RowStart* rows = kStartOfSeries[s] < 16 ? run.start : run.above;
     first_id[s] = rows[kStartOfSeries[s] % 16 / 8].vertex[kStartOfSeries[s] % 8];
   }
-  PerSeries crossings{};
   for (const WordGroup& group : run.groups)
     for (std::uint32_t met = group.met; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      for (std::size_t s = 0; s < kEdgeSeries; ++s) crossings[s] = group.crossings[s][i];
+      const PerSeries& crossings = group.crossings[i];
       out = write_one_by_one(run, group.first + i, group.cells[i], crossings, first_id, out);
       for (std::size_t s = 0; s < kEdgeSeries; ++s)
         first_id[s] += static_cast<std::uint32_t>(std::popcount(crossings[s]));

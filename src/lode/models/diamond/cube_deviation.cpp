@@ -21,12 +21,12 @@ Result<void> for_each_met_cell(const Model<3>& model, double isovalue, Threads t
   const SignField signs = sign_field(selection, threads, n_read);
   parallel_for(as_size(signs.dims[2] - 1), threads, 1, [&](std::size_t slice, int worker) {
     const auto z = static_cast<std::int32_t>(slice);
-    std::vector<WordGroup> groups(signs.n_words() / WordGroup::kWords + 1);
+    RowGroups groups(signs);
+    constexpr auto kRows = static_cast<std::int32_t>(SignField::kRows);
     for (std::int32_t y = 0; y + 1 < signs.dims[1] && !progress.is_cancelled(); ++y) {
-      if (!takes(y, z) || !signs.may_cross(y, z)) continue;
-      const CellRow row(signs, y, z);
-      const std::size_t n = find_words(row, SurfaceStyle::cubes, groups.data());
-      for (const WordGroup& group : std::span(groups).first(n))
+      if (y % kRows == 0) find_words(signs, y, z, SurfaceStyle::cubes, groups);
+      if (!takes(y, z)) continue;
+      for (const WordGroup& group : groups.of_row(as_size(y % kRows)))
         for (std::size_t i = 0; i < WordGroup::kWords; ++i) {
           if ((group.met >> i & 1) == 0) continue;
           for (std::uint32_t cells = group.cells[i]; cells != 0; cells &= cells - 1) {

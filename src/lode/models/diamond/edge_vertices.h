@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -25,30 +26,41 @@ inline constexpr std::size_t kEdgePadding = 64;
 /// How many rows of anchors, one above the other in y, a run may be of.
 inline constexpr std::int32_t kRowsPerRun = 16;
 
-/// The x of an edge's first end; whether it lies one row up in y, and in z; the step to the second
-/// end along each axis, -1 .. 1; and then the anchor's row, which is 0 here.
+/// The x of an edge's first end; the row of anchors, and whether that end lies one up in y, added
+/// up; whether it lies one up in z; the step to the second end along each axis, -1 .. 1.
+struct PackedEdge {
+  static constexpr std::uint32_t kX = 0xFFFFF;
+  static constexpr int kRowShift = 20;
+  static constexpr std::uint32_t kRow = std::uint32_t{2} * kRowsPerRun - 1;
+  static constexpr int kUpShift = 25;  ///< In z.
+  static constexpr int kStepShift = 26;
+};
+static_assert(PackedEdge::kRowShift + std::bit_width(PackedEdge::kRow) == PackedEdge::kUpShift);
+
+/// In the first row of anchors.
 [[nodiscard]] constexpr std::uint32_t packed_edge(std::int32_t x, const Vec<std::int32_t, 3>& up,
                                                   const Vec<std::int32_t, 3>& step) {
-  const auto bits = [](std::int32_t s) { return static_cast<std::uint32_t>(s) & 3U; };
-  return static_cast<std::uint32_t>(x) | static_cast<std::uint32_t>(up[1]) << 20 |
-         static_cast<std::uint32_t>(up[2]) << 21 | bits(step[0]) << 22 | bits(step[1]) << 24 |
-         bits(step[2]) << 26;
+  std::uint32_t edge = static_cast<std::uint32_t>(x) |
+                       static_cast<std::uint32_t>(up[1]) << PackedEdge::kRowShift |
+                       static_cast<std::uint32_t>(up[2]) << PackedEdge::kUpShift;
+  for (std::size_t i = 0; i < 3; ++i)
+    edge |= (static_cast<std::uint32_t>(step[i]) & 3U)
+            << (PackedEdge::kStepShift + 2 * static_cast<int>(i));
+  return edge;
 }
 
-inline constexpr int kRowShift = 28;
-
 /// The ends of such an edge, in a run of which this is the first row of anchors.
-[[nodiscard]] constexpr std::array<Vec<std::int32_t, 3>, 2> unpacked_edge(std::uint32_t place,
+[[nodiscard]] constexpr std::array<Vec<std::int32_t, 3>, 2> unpacked_edge(std::uint32_t edge,
                                                                           std::int32_t y,
                                                                           std::int32_t z) {
-  const auto bits = [&](int shift) {
-    return static_cast<std::int32_t>(place << (30 - shift)) >> 30;
-  };
-  const Vec<std::int32_t, 3> p{{static_cast<std::int32_t>(place & 0xFFFFFU),
-                                y + static_cast<std::int32_t>(place >> kRowShift) +
-                                    static_cast<std::int32_t>(place >> 20 & 1U),
-                                z + static_cast<std::int32_t>(place >> 21 & 1U)}};
-  return {p, p + Vec<std::int32_t, 3>{{bits(22), bits(24), bits(26)}}};
+  const Vec<std::int32_t, 3> p{
+      {static_cast<std::int32_t>(edge & PackedEdge::kX),
+       y + static_cast<std::int32_t>(edge >> PackedEdge::kRowShift & PackedEdge::kRow),
+       z + static_cast<std::int32_t>(edge >> PackedEdge::kUpShift & 1U)}};
+  Vec<std::int32_t, 3> step;
+  for (std::size_t i = 0; i < 3; ++i)
+    step[i] = static_cast<std::int32_t>(edge << (4 - 2 * static_cast<int>(i))) >> 30;
+  return {p, p + step};
 }
 
 /// Where vertices on the edges of a run go.

@@ -57,14 +57,14 @@ void run_places(const GradientPlaces& places, const EdgePlaces& of) {
   };
   for (std::size_t i = 0; i < of.n; i += hn::Lanes(d)) {
     const auto edge = hn::LoadU(d, reinterpret_cast<const std::int32_t*>(of.edges) + i);
-    const auto row = hn::And(hn::ShiftRight<kRowShift>(edge), set(kRowsPerRun - 1));
-    const auto x = hn::And(edge, set(0xFFFFF));
-    const auto y = hn::Add(hn::Add(set(of.y), row), hn::And(hn::ShiftRight<20>(edge), one));
-    const auto z = hn::Add(set(of.z), hn::And(hn::ShiftRight<21>(edge), one));
+    const auto row = hn::And(hn::ShiftRight<PackedEdge::kRowShift>(edge), set(PackedEdge::kRow));
+    const auto x = hn::And(edge, set(PackedEdge::kX));
+    const auto y = hn::Add(set(of.y), row);
+    const auto z = hn::Add(set(of.z), hn::And(hn::ShiftRight<PackedEdge::kUpShift>(edge), one));
     put(x, y, z, of.first + i);
-    put(hn::Add(x, hn::ShiftRight<30>(hn::ShiftLeft<8>(edge))),
-        hn::Add(y, hn::ShiftRight<30>(hn::ShiftLeft<6>(edge))),
-        hn::Add(z, hn::ShiftRight<30>(hn::ShiftLeft<4>(edge))), of.second + i);
+    put(hn::Add(x, hn::ShiftRight<30>(hn::ShiftLeft<4>(edge))),
+        hn::Add(y, hn::ShiftRight<30>(hn::ShiftLeft<2>(edge))),
+        hn::Add(z, hn::ShiftRight<30>(edge)), of.second + i);
   }
 }
 

@@ -92,7 +92,7 @@ class GradientRows {
       for (std::uint32_t words = group.met; words != 0; words &= words - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(words));
         std::uint32_t crossed = 0;
-        for (std::size_t s = 0; s < kOwnSeries; ++s) crossed |= group.crossings[s][i];
+        for (std::size_t s = 0; s < kOwnSeries; ++s) crossed |= group.crossings[i][s];
         for (std::size_t run = kRunsPerBrick * (group.first + i); crossed != 0;
              ++run, crossed >>= kGradientRun) {
           if ((crossed & 0xFFFFU) != 0) find_round(run, y, z);

@@ -55,9 +55,59 @@ bool touches_hole(const Model<D>& model, std::size_t brick) {
   });
 }
 
+/// By slice (rows in 2D); those beyond the data repeat the last one.
+template <int D>
+std::array<SampleRange, as_size(kBrickSamples<D>)> ranges_of_slices(const Model<D>& model,
+                                                                    std::size_t brick) {
+  constexpr auto kSlices = as_size(kBrickSamples<D>);
+  const Index<D> base = point_of<D>(model.brick_dims, brick) * kBrickEdge<D>;
+  const auto n_in_data = [&](std::size_t axis) {
+    return std::min(kSlices, as_size(model.shape.dims[axis] - base[axis]));
+  };
+  const std::size_t n = kSlices * (D == 3 ? n_in_data(1) : 1);
+  std::array<SampleRange, kSlices> slices;
+  visit_storage_type(model.storage, [&]<typename T>() {
+    const T* values = reinterpret_cast<const T*>(model.brick(brick));
+    for (std::size_t slice = 0; slice < n_in_data(D - 1); ++slice) {
+      T low = std::numeric_limits<T>::max();
+      T high = std::numeric_limits<T>::lowest();
+      for (std::size_t i = 0; i < n; ++i) {
+        low = values[i] < low ? values[i] : low;
+        high = values[i] > high ? values[i] : high;
+      }
+      slices[slice] = {static_cast<double>(low), static_cast<double>(high)};
+      values += kBrickSize<D> / kSlices;
+    }
+  });
+  for (std::size_t slice = n_in_data(D - 1); slice < kSlices; ++slice)
+    slices[slice] = slices[slice - 1];
+  return slices;
+}
+
+/// Of a brick without holes, whose layers' ranges it finds.
+template <int D>
+BrickStats find_ranges(Model<D>& model, std::size_t brick) {
+  const auto slices = ranges_of_slices<D>(model, brick);
+  BrickStats stats;
+  for (const SampleRange& slice : slices) {
+    stats.min = std::min(stats.min, slice.low);
+    stats.max = std::max(stats.max, slice.high);
+  }
+  if constexpr (D == 3)
+    for (std::size_t layer = 0; layer < Model<D>::kLayers; ++layer) {
+      SampleRange& range = model.layer_ranges[brick * Model<D>::kLayers + layer];
+      range = slices[layer * Model<D>::kLayer];
+      for (std::size_t i = 1; i <= Model<D>::kLayer; ++i) {
+        range.low = std::min(range.low, slices[layer * Model<D>::kLayer + i].low);
+        range.high = std::max(range.high, slices[layer * Model<D>::kLayer + i].high);
+      }
+    }
+  return stats;
+}
+
 /// Range and holes of the samples a brick owns: its last layer only where it is the last brick.
 template <int D>
-BrickStats stats_of_brick(const Model<D>& model, std::size_t brick, bool has_holes) {
+BrickStats stats_with_holes(const Model<D>& model, std::size_t brick) {
   const Index<D> b = point_of<D>(model.brick_dims, brick);
   const Index<D> lower = b * kBrickEdge<D>;
   Index<D> upper;
@@ -65,34 +115,21 @@ BrickStats stats_of_brick(const Model<D>& model, std::size_t brick, bool has_hol
     upper[i] = b[i] == model.brick_dims[i] - 1 ? model.shape.dims[i] : lower[i] + kBrickEdge<D>;
   BrickStats stats;
   visit_storage_type(model.storage, [&]<typename T>() {
-    T low = std::numeric_limits<T>::max();
-    T high = std::numeric_limits<T>::lowest();
-    std::uint64_t n_holes = 0;
-    std::uint64_t n_samples = 0;
     for_each_row<D>(lower, upper, [&](const Index<D>& row) {
       const T* values =
           reinterpret_cast<const T*>(model.brick(brick)) + model.brick_offset(row - lower);
-      const std::int32_t n = upper[0] - lower[0];
-      n_samples += as_size(n);
-      for (std::int32_t x = 0; !has_holes && x < n; ++x) {
-        low = values[x] < low ? values[x] : low;
-        high = values[x] > high ? values[x] : high;
-      }
-      for (std::int32_t x = 0; has_holes && x < n; ++x) {
-        if (model.is_hole(static_cast<double>(values[x]))) {
-          ++n_holes;
+      for (std::int32_t x = 0; x < upper[0] - lower[0]; ++x) {
+        const auto value = static_cast<double>(values[x]);
+        if (model.is_hole(value)) {
+          ++stats.n_holes;
           continue;
         }
-        low = std::min(low, values[x]);
-        high = std::max(high, values[x]);
+        stats.min = std::min(stats.min, value);
+        stats.max = std::max(stats.max, value);
       }
     });
-    stats.n_holes = n_holes;
-    if (n_holes == n_samples) return;
-    stats.min = static_cast<double>(low);
-    stats.max = static_cast<double>(high);
   });
-  if (!has_holes || !model.shape.has_cells()) return stats;
+  if (!model.shape.has_cells()) return stats;
   for (std::size_t i = 0; i < as_size(D); ++i)
     upper[i] = std::min(upper[i], model.shape.dims[i] - 1);
   for_each_row<D>(lower, upper, [&](Index<D> cell) {
@@ -104,11 +141,14 @@ BrickStats stats_of_brick(const Model<D>& model, std::size_t brick, bool has_hol
 
 template <int D>
 void find_stats(Model<D>& model, Threads threads) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<BrickStats> stats(model.n_bricks());
+  if constexpr (D == 3)
+    model.layer_ranges.assign(model.n_bricks() * Model<D>::kLayers, {-kInfinity, kInfinity});
   parallel_for(model.n_bricks(), threads, 4, [&](std::size_t i, int) {
     const bool has_holes = touches_hole<D>(model, i);
     model.brick_holes[i] = has_holes ? 1 : 0;
-    stats[i] = stats_of_brick<D>(model, i, has_holes);
+    stats[i] = has_holes ? stats_with_holes<D>(model, i) : find_ranges<D>(model, i);
   });
   BrickStats total;
   for (const BrickStats& s : stats) {
@@ -173,6 +213,7 @@ void Model<D>::reset(const VolumeInfo& volume) {
   brick_dims = brick_counts<D>(shape);
   resize_anew(samples, n_bricks() * kBrickSize<D> * sample_size());
   brick_holes.assign(n_bricks(), 0);
+  layer_ranges.clear();
 }
 
 template <int D>

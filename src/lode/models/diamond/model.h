@@ -49,6 +49,11 @@ struct NodeLevel {
       high;  ///< Nested maximum, likewise, rounded up; < low: no finite sample.
 };
 
+/// Of samples.
+struct SampleRange {
+  double low, high;
+};
+
 /// A volume's samples and the attributes of its diamond hierarchy, in memory.
 template <int D>
 struct Model : LatticeField<D, Model<D>> {
@@ -56,10 +61,17 @@ struct Model : LatticeField<D, Model<D>> {
   using LatticeField<D, Model<D>>::shape;
   using LatticeField<D, Model<D>>::storage;
 
+  static constexpr std::int32_t kLayer = 8;
+  static constexpr std::size_t kLayers = as_size(kBrickEdge<D> / kLayer);  ///< Of a brick.
+
   Index<D> brick_dims;                    ///< Bricks per axis, >= 1.
   UninitializedArray<std::byte> samples;  ///< Brick after brick, kBrickSize each, x fastest.
   std::vector<std::uint8_t> brick_holes;  ///< Per brick: 1 when one of its samples is a hole.
-  std::vector<NodeLevel> levels;          ///< Finest first; shape.n_levels of them.
+  /// Brick after brick, of kLayer slices at a time and the one behind them, as finish_samples()
+  /// finds them: those of a node reach further. Empty in 2D, and where it has not. Nothing is said
+  /// of bricks with holes.
+  std::vector<SampleRange> layer_ranges;
+  std::vector<NodeLevel> levels;  ///< Finest first; shape.n_levels of them.
   /// World errors of the same nodes; none where nobody has asked, and none of level 0 from files.
   WorldErrors worlds;
   std::vector<std::array<std::size_t, as_size(D)>> strides;  ///< Of their arrays, by axis.

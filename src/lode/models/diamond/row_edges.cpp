@@ -79,7 +79,7 @@ HWY_INLINE void compress(const double* even, const double* odd, std::uint32_t ma
   }
 }
 
-/// The places of the marked anchors.
+/// The places of the marked anchors among 32, of which the first is apart from `ends` by `first`.
 HWY_INLINE void compress_places(const EdgeEndsByParity& ends, std::uint32_t first,
                                 std::uint32_t marked, std::uint32_t* to) {
   alignas(32) static constexpr std::uint8_t kCount[32] = {
@@ -87,15 +87,23 @@ HWY_INLINE void compress_places(const EdgeEndsByParity& ends, std::uint32_t firs
       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
   const __m256i anchors =
       _mm256_maskz_compress_epi8(marked, _mm256_load_si256((const __m256i*)kCount));
-  const __m512i even = _mm512_set1_epi32(static_cast<int>(first + ends[0].place));
-  const __m512i odd = _mm512_set1_epi32(static_cast<int>(first + ends[1].place));
-  const auto put = [&](__m128i sixteen, std::uint32_t* at) HWY_ATTR {
-    const __m512i anchor = _mm512_cvtepu8_epi32(sixteen);
-    const __mmask16 is_odd = _mm512_test_epi32_mask(anchor, _mm512_set1_epi32(1));
-    _mm512_storeu_si512(at, _mm512_add_epi32(anchor, _mm512_mask_blend_epi32(is_odd, even, odd)));
+  const __m256i even = _mm256_set1_epi32(static_cast<int>(first + ends[0].place));
+  const __m256i more = _mm256_set1_epi32(static_cast<int>(ends[1].place - ends[0].place));
+  const auto put = [&](__m128i eight, std::uint32_t* at) HWY_ATTR {
+    const __m256i anchor = _mm256_cvtepu8_epi32(eight);
+    __m256i place = _mm256_add_epi32(anchor, even);
+    const __mmask8 is_odd = _mm256_test_epi32_mask(anchor, _mm256_set1_epi32(1));
+    place = _mm256_mask_add_epi32(place, is_odd, place, more);
+    _mm256_storeu_si256((__m256i*)at, place);
   };
-  put(_mm256_castsi256_si128(anchors), to);
-  if (std::popcount(marked) > 16) put(_mm256_extracti128_si256(anchors, 1), to + 16);
+  const __m128i low = _mm256_castsi256_si128(anchors);
+  put(low, to);
+  if (std::popcount(marked) <= 8) [[likely]]
+    return;
+  put(_mm_srli_si128(low, 8), to + 8);
+  const __m128i high = _mm256_extracti128_si256(anchors, 1);
+  put(high, to + 16);
+  put(_mm_srli_si128(high, 8), to + 24);
 }
 
 template <typename T>
@@ -123,30 +131,16 @@ HWY_INLINE std::size_t gather(const EdgeWord<T>& word, const EdgeLists<T>& out, 
 
 template <typename T>
 std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
-  constexpr auto kRow = as_size(kBrickSamples<3>);
-  constexpr std::size_t kSlice = kRow * kRow;
   std::size_t n = 0;
-  // Rows to come, in this slice and the next, which caches have dropped.
-  for (const WordGroup& group : row.groups)
-    for (std::uint32_t words = group.met; words != 0; words &= words - 1) {
-      const std::size_t word = group.first + static_cast<std::size_t>(std::countr_zero(words));
-      const T* next = row.samples + word * kBrickSize<3> + 4 * kRow;
-      if constexpr (sizeof(T) > 2) {
-        // Of a row's cache lines the one where edges to other rows are crossed here.
-        const auto i = static_cast<std::size_t>(std::countr_zero(words));
-        next += std::countr_zero(group.crossings[1][i] | group.crossings[3][i] |
-                                 group.crossings[6][i] | 0x80000000U);
-      }
-      __builtin_prefetch(next);
-      __builtin_prefetch(next + kSlice);
-    }
-  for (std::size_t s = 0; s < kOwnSeries; ++s)
+  for (std::size_t s = 0; s < kOwnSeries; ++s) {
+    if ((row.series >> s & 1) == 0) continue;
     for (const WordGroup& group : row.groups)
-      for (std::uint32_t words = group.with_edges[s]; words != 0; words &= words - 1) {
+      for (std::uint32_t words = group.met; words != 0; words &= words - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(words));
+        if (sizeof(T) > 2 && group.crossings[i][s] == 0) continue;
         const std::size_t word = group.first + i;
         EdgeWord<T> edges{row.samples + word * kBrickSize<3>, &(*row.ends)[s],
-                          row.place + 32 * static_cast<std::uint32_t>(word), group.crossings[s][i]};
+                          row.place + 32 * static_cast<std::uint32_t>(word), group.crossings[i][s]};
         if (word == row.n_bricks) {
           edges.samples = row.samples + (word - 1) * kBrickSize<3> + kBrickEdge<3>;
           n = gather_one_by_one(edges, out, n);
@@ -154,6 +148,7 @@ std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
           n = gather(edges, out, n);
         }
       }
+  }
   return n;
 }
 

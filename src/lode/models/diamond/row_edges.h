@@ -34,6 +34,7 @@ struct AnchorRow {
   const T* samples;      ///< There.
   std::size_t n_bricks;  ///< Along x: as many words have a brick's row of 33 samples each, one
                          ///< brick apart; the last one's 33rd is a word of its own.
+  std::uint32_t series;  ///< Bits of those that may be crossed.
 };
 
 /// The crossed edges of a row, one after the other.

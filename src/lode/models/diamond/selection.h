@@ -70,10 +70,6 @@ class Selection : public ToleranceSelection<D, Field> {
     return static_cast<double>(nodes.low[at]) < relative_.above &&
            static_cast<double>(nodes.high[at]) >= relative_.below;
   }
-  /// Whether all samples below the node are at least the isovalue.
-  [[nodiscard]] bool is_inside(int level, std::size_t at) const {
-    return static_cast<double>(this->model().levels[as_size(level)].low[at]) >= relative_.above;
-  }
   [[nodiscard]] bool has_wanted() const { return wanted_ != nullptr; }
   [[nodiscard]] const NodeSet<D>* wanted() const { return wanted_; }
   [[nodiscard]] bool is_wanted(const Index<D>& centre) const {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "lode/models/diamond/selection.h"
@@ -11,45 +11,66 @@
 
 namespace lode::diamond {
 
-/// One bit per sample of a volume: whether it is at least the isovalue. Row (y, z) is `stride`
-/// words of 32 bits, x lowest; bits beyond the data, and the last word, are 0. Determined are the
-/// rows that edges of bricks end in which the surface may meet, and all others of those rows of
-/// bricks.
+/// One bit per sample of a volume: whether it is at least the isovalue. Of each slice the words of
+/// 32 bits along x, x lowest, and of each of these all rows, y after y: so rows beside each other
+/// are looked at together. Bits beyond the data, and the last word, are 0. Determined are the
+/// samples of boxes that the surface may meet, and of those beside them that their edges end in.
 struct SignField {
-  /// How many words more can be read behind the last one, and behind the masks.
-  static constexpr std::size_t kPadding = 16;
+  /// Rows that are looked at together.
+  static constexpr std::size_t kRows = 8;
+  static constexpr std::int32_t kLayer = Model<3>::kLayer;
 
   Index<3> dims;
-  std::size_t stride = 0;
+  std::size_t stride = 0;      ///< Words along x, with the last one.
+  std::size_t row_stride = 0;  ///< Rows, with padding: kRows more can be read behind any.
   std::unique_ptr<std::uint32_t[]> words;
-  std::vector<std::uint32_t> sample_bits;  ///< Of each word of a row: the bits that are samples,
-  std::vector<std::uint32_t> cell_bits;    ///< and those where a cell begins.
 
-  Index<3> brick_dims;
-  std::vector<std::uint8_t> is_met;  ///< By row of bricks, y first: whether one's range meets it.
+  /// Boxes of a brick's samples in kLayer slices, and of the samples behind these that edges end
+  /// at.
+  Index<3> box_dims;
+  /// By row of boxes, y first, those that the surface may meet, as words: a row's last sample,
+  /// where it is in a word of its own, is the last box's.
+  std::vector<std::vector<std::uint32_t>> met;
 
-  /// Whether edges from anchors in this row can be crossed. No edge of a brick leaves it, as bricks
-  /// share the samples between them.
-  [[nodiscard]] bool may_cross(std::int32_t y, std::int32_t z) const {
-    const std::size_t brick_y = as_size(std::min(y / kBrickEdge<3>, brick_dims[1] - 1));
-    const std::size_t brick_z = as_size(std::min(z / kBrickEdge<3>, brick_dims[2] - 1));
-    return is_met[brick_z * as_size(brick_dims[1]) + brick_y] != 0;
+  void resize(const Index<3>& samples) {
+    dims = samples;
+    stride = (as_size(dims[0]) + 31) / 32 + 1;
+    row_stride = (as_size(dims[1]) / kRows + 2) * kRows;
+    words = std::make_unique_for_overwrite<std::uint32_t[]>(row_stride * stride * as_size(dims[2]));
+  }
+  /// Words that edges from anchors in this row may be crossed in. No edge of a box leaves it.
+  [[nodiscard]] std::span<const std::uint32_t> met_words(std::int32_t y, std::int32_t z) const {
+    const std::size_t box_y = as_size(std::min(y / kBrickEdge<3>, box_dims[1] - 1));
+    const std::size_t box_z = as_size(std::min(z / kLayer, box_dims[2] - 1));
+    return met[box_z * as_size(box_dims[1]) + box_y];
   }
   [[nodiscard]] std::size_t n_words() const { return stride - 1; }
-  [[nodiscard]] std::size_t offset(std::int32_t y, std::int32_t z) const {
-    return (as_size(z) * as_size(dims[1]) + as_size(y)) * stride;
+  [[nodiscard]] std::size_t offset(std::size_t word, std::int32_t y, std::int32_t z) const {
+    return (as_size(z) * stride + word) * row_stride + as_size(y);
+  }
+  /// Of a row's word the bits that are samples, and those where a cell begins.
+  [[nodiscard]] std::uint32_t sample_bits(std::size_t word) const {
+    return first_bits(dims[0] - 32 * static_cast<std::int64_t>(word));
+  }
+  [[nodiscard]] std::uint32_t cell_bits(std::size_t word) const {
+    return first_bits(dims[0] - 1 - 32 * static_cast<std::int64_t>(word));
+  }
+  /// The first n of 32.
+  [[nodiscard]] static std::uint32_t first_bits(std::int64_t n) {
+    if (n >= 32) return ~std::uint32_t{0};
+    return n <= 0 ? 0 : (std::uint32_t{1} << n) - 1;
   }
 };
 
-/// The slices of a volume, some at a time: as bricks, slabs share the samples between them, and the
-/// last one has those at its end too. None of them is in two layers of bricks.
+/// The slices of a volume, some at a time: as boxes, slabs share the samples between them, and the
+/// last one has those at its end too. None of them is in two layers of boxes.
 class Slabs {
  public:
   /// As many slices as most are of: most samples are looked at in two, and those of a few slabs
   /// stay in the caches.
-  static constexpr std::int32_t kUsualEdge = 8;
+  static constexpr std::int32_t kUsualEdge = SignField::kLayer;
 
-  /// `edge`: a power of two, at most a brick's.
+  /// `edge`: a power of two, at most that.
   Slabs(std::int32_t n_slices, std::int32_t edge)
       : n_slices_(n_slices), edge_(edge), n_(as_size(std::max(1, (n_slices + edge - 2) / edge))) {}
 
@@ -67,44 +88,39 @@ class Slabs {
   std::size_t n_;
 };
 
-/// Finds the signs of a model without holes, slices by slices. Bricks whose stored range misses the
-/// isovalue are not read, and of others only the eighths whose range does not.
+/// Finds the signs of a model without holes, slices by slices. Boxes whose range misses the
+/// isovalue are not read.
 class SignFinder {
  public:
   /// Sizes the field. Both must stay as they are and where they are.
   SignFinder(const Selection<3>& selection, SignField& field);
 
-  /// Slices [begin, end), none of them in two layers of bricks. Others may be found meanwhile.
+  /// Slices [begin, end), none of them in two layers of boxes. Others may be found meanwhile.
   void find(std::int32_t begin, std::int32_t end);
   /// Bricks that the surface may meet.
   [[nodiscard]] std::uint64_t n_met() const;
 
  private:
   enum class State : std::uint8_t { outside, inside, met };
-  /// Samples from `lower` on, n[i] of them along axis i: those of a brick, or of a part of one.
+  /// Samples from `lower` on, n[i] of them along axis i.
   struct SampleBox {
     Index<3> lower;
     Index<3> n;
   };
 
-  [[nodiscard]] std::size_t n_x() const { return as_size(model_.brick_dims[0]); }
+  [[nodiscard]] std::size_t n_x() const { return as_size(field_.box_dims[0]); }
+  [[nodiscard]] std::size_t brick_of(std::size_t box) const;
+  [[nodiscard]] State state_of(std::size_t box) const;
   void look_at(std::size_t row);
-  [[nodiscard]] bool is_wanted(std::size_t row) const;
-  [[nodiscard]] SampleBox samples_of(const Index<3>& brick) const;
-  [[nodiscard]] std::optional<bool> uniform_sign(const Index<3>& lower, int level) const;
-  void find_row(std::size_t row, std::int32_t begin, std::int32_t end);
-  void clear(const SampleBox& first);
-  void fill(const SampleBox& box, std::uint32_t wanted);
-  void read(const Index<3>& brick, const SampleBox& box);
-  void read_part(const Index<3>& brick, const SampleBox& part, const Index<3>& eighth);
-  void read_samples(const Index<3>& brick, const SampleBox& part, SignPart wanted);
-  [[nodiscard]] std::uint32_t* words_at(const Index<3>& p) const;
+  [[nodiscard]] bool is_wanted(const Index<3>& box) const;
+  void find_box(const Index<3>& box, std::int32_t begin, std::int32_t end);
+  void fill(const SampleBox& samples, std::size_t word, std::uint32_t bits);
+  void read(std::size_t box, const SampleBox& samples);
 
-  const Selection<3>& selection_;
   const Model<3>& model_;
+  const double isovalue_;
   SignField& field_;
-  int level_;                  ///< Whose cubes are the bricks, or a coarsest one.
-  std::vector<State> states_;  ///< By brick.
+  std::vector<State> states_;  ///< By box.
 };
 
 /// All signs; `n_bricks_read` counts the bricks that the surface may meet.

@@ -12,12 +12,11 @@ namespace lode::diamond::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kAhead = 8;  ///< Rows.
+constexpr std::size_t kSamples = 32;  ///< Of a row.
 constexpr std::size_t kCacheLine = 64;
 
-/// Of samples [first, first + kSamples) of each row.
-template <std::size_t kSamples, typename T>
-HWY_INLINE void find_in(const SignRows<T>& rows, std::size_t first, T threshold) {
+template <typename T>
+void run_signs(const SignRows<T>& rows, T threshold) {
   const hn::CappedTag<T, kSamples> d;
   const std::size_t lanes = hn::Lanes(d);
   const std::uint64_t lane_bits = (std::uint64_t{1} << lanes) - 1;
@@ -27,30 +26,21 @@ HWY_INLINE void find_in(const SignRows<T>& rows, std::size_t first, T threshold)
       const auto row = static_cast<std::size_t>(y);
       const auto slice = static_cast<std::size_t>(z);
       const T* samples = rows.samples + row * rows.row_step + slice * rows.slice_step;
-      // Rows are too far apart for the processor to see where this goes.
-      const std::byte* next =
-          reinterpret_cast<const std::byte*>(samples + first + kAhead * rows.row_step);
-      for (std::size_t byte = 0; sizeof(T) > 2 && byte <= kSamples * sizeof(T); byte += kCacheLine)
+      // Boxes are too short for the processor to see where this goes.
+      const auto* next = reinterpret_cast<const std::byte*>(samples + rows.next);
+      for (std::size_t byte = 0; rows.next != 0 && byte < kSamples * sizeof(T); byte += kCacheLine)
         __builtin_prefetch(next + byte);
       std::uint64_t inside = 0;
-      for (std::size_t x = first; x < first + kSamples; x += lanes) {
+      for (std::size_t x = 0; x < kSamples; x += lanes) {
         std::uint8_t bytes[8] = {};
         hn::StoreMaskBits(d, hn::Not(hn::Lt(hn::LoadU(d, samples + x), limit)), bytes);
         std::uint64_t bits;
         std::memcpy(&bits, bytes, sizeof(bits));
         inside |= (bits & lane_bits) << x;
       }
-      rows.words[row * rows.word_row_step + slice * rows.word_slice_step] |=
+      rows.words[row * rows.word_row_step + slice * rows.word_slice_step] =
           static_cast<std::uint32_t>(inside);
     }
-}
-
-template <typename T>
-void run_signs(const SignRows<T>& rows, T threshold) {
-  if (rows.part == SignPart::all)
-    find_in<32>(rows, 0, threshold);
-  else
-    find_in<16>(rows, rows.part == SignPart::high ? 16 : 0, threshold);
 }
 
 void signs_u8(const SignRows<std::uint8_t>& rows, std::uint8_t t) { run_signs(rows, t); }

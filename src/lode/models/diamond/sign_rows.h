@@ -25,14 +25,10 @@ template <typename T>
   }
 }
 
-/// Which samples of 32.
-enum class SignPart : std::uint8_t { all, low, high };
-
 /// A box of rows of at least 32 samples each, and where their sign words go.
 template <typename T>
 struct SignRows {
   const T* samples;
-  SignPart part;           ///< Others are not read; the words' bits of others stay.
   std::size_t row_step;    ///< In samples.
   std::size_t slice_step;  ///< In samples.
   std::uint32_t* words;
@@ -40,10 +36,12 @@ struct SignRows {
   std::size_t word_slice_step;
   std::int32_t n_rows;
   std::int32_t n_slices;
+  std::size_t next =
+      0;  ///< How many samples on those are that will be read next, and are fetched; 0: none.
 };
 
-/// Sets bit x of each row's word, where all those asked for were 0: whether sample x is at least
-/// `threshold`. Bound by reading samples.
+/// Sets bit x of each row's word: whether sample x is at least `threshold`. Bound by reading
+/// samples.
 void find_signs(const SignRows<std::uint8_t>& rows, std::uint8_t threshold);
 void find_signs(const SignRows<std::uint16_t>& rows, std::uint16_t threshold);
 void find_signs(const SignRows<std::int16_t>& rows, std::int16_t threshold);

@@ -80,7 +80,7 @@ class SliceWriterOf final : public SliceWriter {
         gradients_(all.model),
         own_(as_size(all.signs.dims[1]) + 1),
         above_(own_.size()),
-        groups_(all.signs.n_words() / WordGroup::kWords + 1) {
+        groups_(all.signs) {
     const std::size_t n = n_most() + kEdgesPerRun + kEdgePadding;
     first_.resize(n);
     second_.resize(n);
@@ -106,11 +106,15 @@ class SliceWriterOf final : public SliceWriter {
     positions_end_ = all_.surface.positions.data() + end.vertex[0];
     triangles_end_ = all_.surface.triangles.data() + end.triangle;
     run_.n = 0;
+    found_y_ = -1;
     for (std::int32_t y = 0; y < all_.signs.dims[1]; ++y) write_row(y);
     write_vertices();
   }
 
  private:
+  static constexpr std::uint32_t kAllSeries = (1U << kOwnSeries) - 1;
+  /// Those along one axis, and body diagonals.
+  static constexpr std::uint32_t kCubeSeries = 1U << 0 | 1U << 1 | 1U << 3 | 1U << 6;
   /// Beyond as many the vertices are written.
   static constexpr std::size_t kEdgesPerRun = 1024;
 
@@ -118,14 +122,17 @@ class SliceWriterOf final : public SliceWriter {
   [[nodiscard]] std::size_t n_most() const { return kOwnSeries * as_size(all_.signs.dims[0]); }
 
   void write_row(std::int32_t y) {
-    if (!all_.signs.may_cross(y, z_)) return;
     const RowStart* start = &own_[as_size(y)];
     const bool has_vertices = start[1].vertex[0] != start[0].vertex[0];
     const bool has_triangles = start[1].triangle != start[0].triangle;
     if (!has_vertices && !has_triangles) return;
+    constexpr auto kRows = static_cast<std::int32_t>(SignField::kRows);
+    if (const std::int32_t first = y / kRows * kRows; first != found_y_) {
+      find_words(all_.signs, first, z_, all_.style, groups_);
+      found_y_ = first;
+    }
     const CellRow row(all_.signs, y, z_);
-    const std::span<const WordGroup> groups =
-        std::span(groups_).first(find_words(row, all_.style, groups_.data()));
+    const std::span<const WordGroup> groups = groups_.of_row(as_size(y % kRows));
     if (has_vertices) add_edges(y, groups);
     if (has_triangles) write_triangles(y, row, groups, start);
   }
@@ -143,11 +150,24 @@ class SliceWriterOf final : public SliceWriter {
                     (as_size(model.brick_dims[1]) * as_size(brick_z) + as_size(brick_y)));
     run_.n += gather_edges(
         AnchorRow<T>{groups, &edge_ends((y & 1) | (z_ & 1) << 1),
-                     static_cast<std::uint32_t>(y - y_) << kRowShift,
+                     static_cast<std::uint32_t>(y - y_) << PackedEdge::kRowShift,
                      reinterpret_cast<const T*>(samples) + Model<3>::brick_offset(local),
-                     as_size(model.brick_dims[0])},
+                     as_size(model.brick_dims[0]), series_in(y)},
         EdgeLists<T>{first_.data() + run_.n, second_.data() + run_.n, place_.data() + run_.n});
     if (all_.with_normals) gradients_.find(y, z_, groups);
+  }
+
+  /// Bits of the series that a row of anchors has edges of: none to rows and slices that are not
+  /// there, whose samples would be read.
+  [[nodiscard]] std::uint32_t series_in(std::int32_t y) const {
+    std::uint32_t series = all_.style == SurfaceStyle::cubes ? kCubeSeries : kAllSeries;
+    for (unsigned s = 0; s < kOwnSeries; ++s) {
+      const unsigned direction = s + 1;
+      const bool is_there = ((direction & 2) == 0 || y + 1 < all_.signs.dims[1]) &&
+                            ((direction & 4) == 0 || z_ + 1 < all_.signs.dims[2]);
+      if (!is_there) series &= ~(1U << s);
+    }
+    return series;
   }
 
   /// Those on the edges that were added since the last ones.
@@ -195,7 +215,8 @@ class SliceWriterOf final : public SliceWriter {
   std::int32_t y_ = 0;  ///< Of the first row that the run has edges of.
   const Vec3f* positions_end_ = nullptr;
   const std::array<std::uint32_t, 3>* triangles_end_ = nullptr;
-  std::vector<WordGroup> groups_;  ///< Those of a row that the surface meets.
+  RowGroups groups_;           ///< Of rows from found_y_ on.
+  std::int32_t found_y_ = -1;  ///< None: < 0.
   std::vector<T> first_, second_;
   std::vector<std::uint32_t> place_;
   std::vector<double> kept_;
