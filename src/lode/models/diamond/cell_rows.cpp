@@ -28,11 +28,11 @@ HWY_INLINE WordsV select(WordsV mask, WordsV yes, WordsV no) {
 
 /// Rows of cells, from (y, z) on in y, and what there is of them.
 struct CellRows {
-  CellRows(const SignField& of, std::int32_t of_y, std::int32_t of_z)
-      : field(of), y(of_y), has_z(of_z + 1 < of.dims[2]), is_z_even((of_z & 1) == 0) {
+  CellRows(const SignField& of, std::int32_t y, std::int32_t z)
+      : field(of), has_z(z + 1 < of.dims[2]), is_z_even((z & 1) == 0) {
     const Words d;
-    low = &of.words[of.offset(0, y, of_z)];
-    high = &of.words[of.offset(0, y, has_z ? of_z + 1 : of_z)];
+    low = &of.words[of.offset(0, y, z)];
+    high = &of.words[of.offset(0, y, has_z ? z + 1 : z)];
     const auto number = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint32_t>(y)));
     const auto n_rows = static_cast<std::uint32_t>(of.dims[1]);
     const auto all = word_mask(true);
@@ -47,7 +47,6 @@ struct CellRows {
   }
 
   const SignField& field;
-  std::int32_t y;
   bool has_z;
   bool is_z_even;
   const std::uint32_t* low;   ///< The first word of the first row, and of that in the next slice

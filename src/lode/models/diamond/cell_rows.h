@@ -80,7 +80,8 @@ struct WordGroup {
 class RowGroups {
  public:
   explicit RowGroups(const SignField& field)
-      : n_groups_(field.n_words() / WordGroup::kWords + 1), groups_(SignField::kRows * n_groups_) {
+      : n_groups_((field.n_words() + WordGroup::kWords - 1) / WordGroup::kWords),
+        groups_(SignField::kRows * n_groups_) {
     for (std::size_t i = 0; i < groups_.size(); ++i)
       groups_[i].first = i % n_groups_ * WordGroup::kWords;
   }

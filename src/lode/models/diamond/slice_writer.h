@@ -157,16 +157,18 @@ class SliceWriterOf final : public SliceWriter {
     if (all_.with_normals) gradients_.find(y, z_, groups);
   }
 
+  /// Of the directions with an axis.
+  static constexpr std::uint32_t series_along(unsigned axis) {
+    std::uint32_t series = 0;
+    for (unsigned s = 0; s < kOwnSeries; ++s) series |= ((s + 1) >> axis & 1U) << s;
+    return series;
+  }
   /// Bits of the series that a row of anchors has edges of: none to rows and slices that are not
   /// there, whose samples would be read.
   [[nodiscard]] std::uint32_t series_in(std::int32_t y) const {
     std::uint32_t series = all_.style == SurfaceStyle::cubes ? kCubeSeries : kAllSeries;
-    for (unsigned s = 0; s < kOwnSeries; ++s) {
-      const unsigned direction = s + 1;
-      const bool is_there = ((direction & 2) == 0 || y + 1 < all_.signs.dims[1]) &&
-                            ((direction & 4) == 0 || z_ + 1 < all_.signs.dims[2]);
-      if (!is_there) series &= ~(1U << s);
-    }
+    if (y + 1 == all_.signs.dims[1]) series &= ~series_along(1);
+    if (z_ + 1 == all_.signs.dims[2]) series &= ~series_along(2);
     return series;
   }
 
